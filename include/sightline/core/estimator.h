@@ -1,0 +1,51 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "sightline/core/sphere.h"
+#include "sightline/core/time.h"
+
+namespace sightline::core {
+
+/// A sighting as an estimator sees it: in the chart of its track.
+struct Measurement {
+  Time time{};
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();       ///< (azimuth, elevation) in the chart [rad]
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity(); ///< of `position` [rad^2]
+  double ifov = std::numeric_limits<double>::quiet_NaN();   ///< of the sensor [rad], NaN = not known
+};
+
+/// The one virtual interface: sightings of one target in, its motion out. Coordinates are those of the track's
+/// chart throughout; time only moves forward (late data are put in their place by the tracker).
+class Estimator {
+ public:
+  Estimator() = default;
+  virtual ~Estimator() = default;
+  Estimator& operator=(const Estimator&) = delete;
+
+  /// A copy with its whole memory, for going back in time.
+  virtual std::unique_ptr<Estimator> clone() const = 0;
+
+  /// Takes a sighting of the target; its time is not before that of the last one. Equal times are welcome.
+  virtual void update(const Measurement& measurement) = 0;
+
+  /// Motion expected at `time`, usually at or after the last sighting; nullopt before the first sighting.
+  /// The covariance is symmetric positive definite.
+  virtual std::optional<AngularState> stateAt(Time time) const = 0;
+
+  /// Goes over to a chart whose frame is turned by R_new_old.
+  virtual void rotate(const Eigen::Matrix3d& R_new_old) = 0;
+
+ protected:
+  Estimator(const Estimator&) = default;
+};
+
+/// What is known of a target seen once: the sighting's position, no motion but the prior's.
+/// `rate_sigma`: standard deviation of each rate before anything is known [rad/s].
+AngularState firstState(const Measurement& measurement, double rate_sigma);
+
+}  // namespace sightline::core
