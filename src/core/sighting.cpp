@@ -11,9 +11,9 @@ namespace sightline::core {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kSmallestSigma = 1e-9;       // [rad]: a thousandth of an arc second is no camera's accuracy
-constexpr double kLargestSigma = kPi / 2.0;   // [rad]: beyond, the sighting says nothing about the direction
-constexpr double kAsymmetry = 1e-6;           // relative to the geometric mean of the variances
+constexpr double kSmallestSigma = 1e-9;      // [rad]: a thousandth of an arc second is no camera's accuracy
+constexpr double kLargestSigma = kPi / 2.0;  // [rad]: beyond, the sighting says nothing about the direction
+constexpr double kAsymmetry = 1e-6;          // relative to the geometric mean of the variances
 
 }  // namespace
 
@@ -41,7 +41,8 @@ Sighting rotate(const Sighting& sighting, const Eigen::Matrix3d& R_to_from) {
 std::optional<std::string> rejectionOf(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
   std::ostringstream why;
   if (!angles.allFinite()) {
-    why << "direction (" << angles.x() << ", " << angles.y() << ") rad is not finite: leave such sightings out";
+    why << "direction (" << angles.x() << ", " << angles.y()
+        << ") rad is not finite: leave such sightings out";
     return why.str();
   }
   if (std::abs(angles.x()) > 2.0 * kPi || std::abs(angles.y()) > kPi / 2.0) {
@@ -68,14 +69,16 @@ std::optional<std::string> rejectionOf(const Eigen::Vector2d& angles, const Eige
   const double cosine = std::max(std::cos(angles.y()), kSmallestSigma);
   on_sphere.row(0) *= cosine;
   on_sphere.col(0) *= cosine;
-  const Eigen::Vector2d variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(on_sphere, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::Vector2d variances =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(on_sphere, Eigen::EigenvaluesOnly).eigenvalues();
   if (!(variances(0) >= kSmallestSigma * kSmallestSigma)) {
     why << "sigma " << std::sqrt(std::max(variances(0), 0.0)) << " rad is below " << kSmallestSigma
         << " rad: no sensor is that good; state the sigma in radians";
     return why.str();
   }
   if (!(variances(1) <= kLargestSigma * kLargestSigma)) {
-    why << "sigma " << std::sqrt(variances(1)) << " rad is above pi/2: the sighting says nothing; are these degrees?";
+    why << "sigma " << std::sqrt(variances(1))
+        << " rad is above pi/2: the sighting says nothing; are these degrees?";
     return why.str();
   }
   return std::nullopt;

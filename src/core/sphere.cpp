@@ -25,7 +25,8 @@ Eigen::Vector3d directionOf(const Eigen::Vector2d& angles) {
 
 Eigen::Vector2d anglesOf(const Eigen::Vector3d& direction) {
   const double azimuth = std::atan2(direction.y(), direction.x());
-  return {azimuth <= -kPi ? kPi : azimuth, std::atan2(direction.z(), std::hypot(direction.x(), direction.y()))};
+  return {azimuth <= -kPi ? kPi : azimuth,
+          std::atan2(direction.z(), std::hypot(direction.x(), direction.y()))};
 }
 
 double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -66,7 +67,8 @@ Eigen::Matrix2d rotationJacobian(const Eigen::Vector2d& angles, const Eigen::Mat
 namespace {
 
 /// d/dt of directionJacobian along a motion with the given rates, 3x2.
-Eigen::Matrix<double, 3, 2> directionJacobianRate(const Eigen::Vector2d& angles, const Eigen::Vector2d& rates) {
+Eigen::Matrix<double, 3, 2> directionJacobianRate(const Eigen::Vector2d& angles,
+                                                  const Eigen::Vector2d& rates) {
   const double ca = std::cos(angles.x()), sa = std::sin(angles.x());
   const double ce = std::cos(angles.y()), se = std::sin(angles.y());
   Eigen::Matrix<double, 3, 2> daz, del;  // derivatives of the Jacobian by azimuth and by elevation
@@ -85,9 +87,9 @@ AngularState rotateState(const AngularState& state, const Eigen::Matrix3d& R_to_
 
   // With D = d direction / d angles, D_to J = R D_from holds along the motion, so that
   // dJ/dt = A_to (R dD_from/dt - dD_to/dt J); as partial derivatives commute, d rates_to / d angles = dJ/dt.
-  const Eigen::Matrix2d J_rate = anglesJacobian(directionOf(to)) *
-                                 (R_to_from * directionJacobianRate(from, state.rates()) -
-                                  directionJacobianRate(to, rates_to) * J);
+  const Eigen::Matrix2d J_rate =
+      anglesJacobian(directionOf(to)) *
+      (R_to_from * directionJacobianRate(from, state.rates()) - directionJacobianRate(to, rates_to) * J);
   Eigen::Matrix4d jacobian = Eigen::Matrix4d::Zero();
   jacobian.topLeftCorner<2, 2>() = J;
   jacobian.bottomRightCorner<2, 2>() = J;

@@ -12,7 +12,8 @@ namespace sightline::core {
 ///
 /// Below 60 degrees of elevation the chart is the tracking frame turned about z alone: its coordinates are
 /// azimuth and elevation themselves, less a constant, as the paper has them. Above, it is tilted to put
-/// the target at its origin. A chart serves until `holds` says no; the tracker then moves the track to a new one.
+/// the target at its origin. A chart serves until `holds` says no; the tracker then moves the track to a new
+/// one.
 class Chart {
  public:
   /// The tracking frame itself.

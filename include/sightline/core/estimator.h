@@ -14,13 +14,13 @@ namespace sightline::core {
 /// A sighting as an estimator sees it: in the chart of its track.
 struct Measurement {
   Time time{};
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();       ///< (azimuth, elevation) in the chart [rad]
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity(); ///< of `position` [rad^2]
-  double ifov = std::numeric_limits<double>::quiet_NaN();   ///< of the sensor [rad], NaN = not known
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();        ///< (azimuth, elevation) in the chart [rad]
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of `position` [rad^2]
+  double ifov = std::numeric_limits<double>::quiet_NaN();    ///< of the sensor [rad], NaN = not known
 };
 
-/// The one virtual interface: sightings of one target in, its motion out. Coordinates are those of the track's
-/// chart throughout; time only moves forward (late data are put in their place by the tracker).
+/// The one virtual interface: sightings of one target in, its motion out. Coordinates are those of the
+/// track's chart throughout; time only moves forward (late data are put in their place by the tracker).
 class Estimator {
  public:
   Estimator() = default;

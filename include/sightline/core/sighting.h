@@ -13,15 +13,16 @@ namespace sightline::core {
 
 /// A measured direction. Kept as a vector so that wrap and zenith are ordinary places.
 struct Sighting {
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();    ///< unit vector, in the frame of its scan
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();    ///< of `direction` [rad^2]; rank 2, in the tangent plane
-  double snr = std::numeric_limits<double>::quiet_NaN();   ///< amplitude ratio, NaN = not known
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit vector, in the frame of its scan
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Zero();  ///< of `direction` [rad^2]; rank 2, in the tangent plane
+  double snr = std::numeric_limits<double>::quiet_NaN();  ///< amplitude ratio, NaN = not known
 };
 
 /// One exposure of one sensor. No sightings means: looked, and saw nothing.
 struct Scan {
-  Time time{};               ///< middle of the exposure
-  std::string sensor;        ///< unique name
+  Time time{};                                             ///< middle of the exposure
+  std::string sensor;                                      ///< unique name
   double ifov = std::numeric_limits<double>::quiet_NaN();  ///< angle of one detector element [rad]
   double detection_probability = std::numeric_limits<double>::quiet_NaN();  ///< NaN = the tracker's parameter
   double clutter_density = std::numeric_limits<double>::quiet_NaN();        ///< [1/sr], NaN = the tracker's
