@@ -69,8 +69,8 @@ std::optional<std::string> rejectionOf(const Eigen::Vector2d& angles, const Eige
   const double cosine = std::max(std::cos(angles.y()), kSmallestSigma);
   on_sphere.row(0) *= cosine;
   on_sphere.col(0) *= cosine;
-  const Eigen::Vector2d variances =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(on_sphere, Eigen::EigenvaluesOnly).eigenvalues();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
+  const Eigen::Vector2d variances = eigen.computeDirect(on_sphere, Eigen::EigenvaluesOnly).eigenvalues();
   if (!(variances(0) >= kSmallestSigma * kSmallestSigma)) {
     why << "sigma " << std::sqrt(std::max(variances(0), 0.0)) << " rad is below " << kSmallestSigma
         << " rad: no sensor is that good; state the sigma in radians";

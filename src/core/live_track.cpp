@@ -1,0 +1,169 @@
+#include "sightline/core/live_track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace sightline::core {
+namespace {
+
+constexpr double kPaces = 4.0;               // usual intervals that a silence may always last
+constexpr double kIntervalMemory = 0.2;      // share of the newest interval in the usual one
+constexpr double kInnovationMemory = 0.1;    // share of the newest innovation in the running mean
+constexpr double kLargestInnovation = 25.0;  // d^2 / 2 that one sighting may count for at most
+constexpr std::size_t kMostSources = 64;
+
+bool isUsable(const AngularState& state) {
+  return state.mean.allFinite() && state.covariance.allFinite() &&
+         Eigen::LLT<Eigen::Matrix4d>(state.covariance).info() == Eigen::Success;
+}
+
+}  // namespace
+
+LiveTrack::LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sighting,
+                     std::unique_ptr<Estimator> estimator)
+    : id_(id),
+      chart_(Chart::around(sighting.direction)),
+      estimator_(std::move(estimator)),
+      last_covariance_(chart_.covarianceOf(sighting)),
+      last_sighting_(scan.time) {
+  noteSource(scan);
+  estimator_->update(measurementOf(scan, sighting));
+}
+
+LiveTrack::LiveTrack(const LiveTrack& other)
+    : id_(other.id_),
+      status_(other.status_),
+      chart_(other.chart_),
+      estimator_(other.estimator_->clone()),
+      last_covariance_(other.last_covariance_),
+      last_sighting_(other.last_sighting_),
+      interval_(other.interval_),
+      innovation_scale_(other.innovation_scale_),
+      hits_(other.hits_),
+      misses_(other.misses_),
+      scans_(other.scans_),
+      sources_(other.sources_) {}
+
+Measurement LiveTrack::measurementOf(const Scan& scan, const Sighting& sighting) const {
+  Measurement measurement;
+  measurement.time = scan.time;
+  measurement.position = chart_.coordinatesOf(sighting.direction);
+  measurement.covariance = chart_.covarianceOf(sighting);
+  measurement.ifov = scan.ifov;
+  return measurement;
+}
+
+double LiveTrack::gateScale(bool adapt_gate) const {
+  return adapt_gate ? std::max(1.0, innovation_scale_) : 1.0;
+}
+
+Expectation LiveTrack::expect(Time time, bool adapt_gate) {
+  Expectation expectation;
+  expectation.id = id_;
+  expectation.believed = status_ != TrackStatus::tentative;
+  expectation.guards = status_ == TrackStatus::confirmed;
+  expectation.prediction = *estimator_->stateAt(time);  // determined since the first sighting
+  if (!chart_.holds(expectation.prediction.angles())) {
+    const Chart next = Chart::around(chart_.directionAt(expectation.prediction.angles()));
+    const Eigen::Matrix3d R_new_old = next.R_chart_tracking() * chart_.R_chart_tracking().transpose();
+    const Eigen::Matrix2d J = rotationJacobian(expectation.prediction.angles(), R_new_old);
+    last_covariance_ = symmetric(J * last_covariance_ * J.transpose());
+    estimator_->rotate(R_new_old);
+    chart_ = next;
+    expectation.prediction = *estimator_->stateAt(time);
+  }
+  expectation.chart = chart_;
+  expectation.innovation_scale = gateScale(adapt_gate);
+  return expectation;
+}
+
+void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectation& expectation,
+                     const LifecycleParams& lifecycle) {
+  const Measurement measurement = measurementOf(scan, sighting);
+  Gate stated;
+  stated.covariance = expectation.prediction.anglesCovariance() + measurement.covariance;
+  const Eigen::Vector2d innovation = angleDifference(measurement.position, expectation.prediction.angles());
+  const double seen = std::min(distanceSquared(stated, innovation) / 2.0, kLargestInnovation);
+  innovation_scale_ += kInnovationMemory * (seen - innovation_scale_);
+
+  const double since_last = seconds(scan.time - last_sighting_);
+  interval_ = hits_ == 1 ? since_last : interval_ + kIntervalMemory * (since_last - interval_);
+
+  estimator_->update(measurement);
+  last_covariance_ = measurement.covariance;
+  last_sighting_ = scan.time;
+  misses_ = 0;
+  ++hits_;
+  ++scans_;
+  noteSource(scan);
+  if (status_ == TrackStatus::coasting || static_cast<int>(hits_) >= lifecycle.confirm_hits)
+    status_ = TrackStatus::confirmed;
+}
+
+void LiveTrack::miss(const Scan& scan, const LifecycleParams& lifecycle) {
+  const bool sees_the_target = std::any_of(sources_.begin(), sources_.end(), [&](const Source& source) {
+    return source.sensor == scan.sensor &&
+           seconds(scan.time - source.last_sighting) <= limit(lifecycle.delete_silence);
+  });
+  if (!sees_the_target) return;
+  ++misses_;
+  ++scans_;
+}
+
+void LiveTrack::noteSource(const Scan& scan) {
+  for (Source& source : sources_) {
+    if (source.sensor != scan.sensor) continue;
+    source.last_sighting = scan.time;
+    return;
+  }
+  if (sources_.size() < kMostSources) sources_.push_back({scan.sensor, scan.time});
+}
+
+double LiveTrack::limit(double silence) const {
+  return std::max(silence, kPaces * interval_);
+}
+
+bool LiveTrack::isDead(Time time, const LifecycleParams& lifecycle) {
+  const double silence = seconds(time - last_sighting_);
+  const auto misses = static_cast<int>(misses_);
+  if (silence > limit(lifecycle.delete_silence) || misses >= lifecycle.delete_misses) return true;
+  if (!isUsable(*estimator_->stateAt(time))) return true;
+  if (status_ == TrackStatus::tentative) {
+    return scans_ - static_cast<int>(hits_) > lifecycle.confirm_scans - lifecycle.confirm_hits;
+  }
+  const bool coasts = silence > limit(lifecycle.coast_silence) || misses >= lifecycle.coast_misses;
+  status_ = coasts ? TrackStatus::coasting : TrackStatus::confirmed;
+  return false;
+}
+
+Track LiveTrack::report(Time time, const GateParams& gate, bool adapt_gate,
+                        const LifecycleParams& lifecycle) const {
+  Track track;
+  track.id = id_;
+  track.status = status_;
+  track.state = chart_.toTracking(*estimator_->stateAt(time));
+  track.last_sighting = last_sighting_;
+  track.hits = hits_;
+  track.misses = misses_;
+
+  // The next sighting is expected one usual interval later.
+  AngularState next = *estimator_->stateAt(time + durationOf(interval_));
+  const Gate in_chart = gateOf(next, last_covariance_, gate, gateScale(adapt_gate));
+  next.covariance.topLeftCorner<2, 2>() = in_chart.covariance;
+  const AngularState in_tracking = chart_.toTracking(next);
+  track.gate.centre = in_tracking.angles();
+  track.gate.covariance = in_tracking.anglesCovariance();
+  track.gate.half_width =
+      (gateThreshold(gate) * track.gate.covariance.diagonal()).cwiseSqrt().cwiseMin(gate.max_half_width);
+
+  for (const Source& source : sources_) {
+    if (seconds(time - source.last_sighting) <= limit(lifecycle.delete_silence))
+      track.sources.push_back(source.sensor);
+  }
+  std::sort(track.sources.begin(), track.sources.end());
+  return track;
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,91 @@
+#include "sightline/core/association.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace sightline::core {
+namespace {
+
+constexpr double kSigma = 1e-3;
+
+Expectation expectation(std::uint32_t id, double azimuth, bool believed = true, double sigma = kSigma) {
+  Expectation expectation;
+  expectation.id = id;
+  expectation.believed = believed;
+  expectation.guards = believed;
+  expectation.prediction.mean << azimuth, 0.0, 0.0, 0.0;
+  expectation.prediction.covariance = Eigen::Matrix4d::Identity() * sigma * sigma;
+  return expectation;
+}
+
+Scan scanOf(const std::vector<double>& azimuths) {
+  Scan scan;
+  for (const double azimuth : azimuths)
+    scan.sightings.push_back(sightingOf({azimuth, 0.0}, Eigen::Matrix2d::Identity() * kSigma * kSigma));
+  return scan;
+}
+
+TEST(Association, TakesTheOptimumAndNotTheNearestPairFirst) {
+  // The nearest pair is (track 1, sighting 0), but it would leave track 2 without its only sighting.
+  const Pairing pairing =
+      associate(scanOf({0.0008, -0.003}), {expectation(1, 0.0), expectation(2, 0.004)}, GateParams{});
+  EXPECT_EQ(pairing.sighting_of, (std::vector<int>{1, 0}));
+  EXPECT_EQ(pairing.expectation_of, (std::vector<int>{1, 0}));
+}
+
+TEST(Association, EverySightingHasItsDecisionAndItsNumbers) {
+  const Pairing pairing = associate(scanOf({0.0, 0.001, 0.5, 0.012}), {expectation(7, 0.0)}, GateParams{});
+  EXPECT_EQ(pairing.decisions[0].decision, Decision::accepted);
+  EXPECT_EQ(pairing.decisions[0].track, 7u);
+  EXPECT_EQ(pairing.decisions[1].decision, Decision::claimed_by_other);
+  EXPECT_EQ(pairing.decisions[1].track, 7u);
+  EXPECT_NEAR(pairing.decisions[1].distance_squared, 0.5, 1e-9);
+  EXPECT_FALSE(pairing.may_start[1]);
+  EXPECT_EQ(pairing.decisions[2].decision, Decision::outside_gate);
+  EXPECT_TRUE(pairing.may_start[2]);
+  EXPECT_EQ(pairing.decisions[3].decision, Decision::outside_gate);
+  for (std::size_t j = 0; j < 4; ++j) EXPECT_EQ(pairing.decisions[j].sighting, j);
+}
+
+TEST(Association, BelievedTracksChooseBeforeTentativeOnes) {
+  const Pairing pairing =
+      associate(scanOf({0.001}), {expectation(1, 0.001, false), expectation(2, 0.0)}, GateParams{});
+  EXPECT_EQ(pairing.sighting_of, (std::vector<int>{-1, 0}));
+}
+
+TEST(Association, NothingOutsideAGateIsEverPaired) {
+  const Pairing pairing =
+      associate(scanOf({0.1, -0.1}), {expectation(1, 0.0), expectation(2, 0.05)}, GateParams{});
+  EXPECT_EQ(pairing.sighting_of, (std::vector<int>{-1, -1}));
+}
+
+TEST(Association, PairsAreTheSameWhateverTheOrderOfSightings) {
+  std::vector<double> azimuths{0.0, 0.0011, 0.0025, 0.004, 0.3};
+  const std::vector<Expectation> expectations{expectation(1, 0.0005), expectation(2, 0.002),
+                                              expectation(3, 0.0041)};
+  const Pairing straight = associate(scanOf(azimuths), expectations, GateParams{});
+  std::reverse(azimuths.begin(), azimuths.end());
+  const Pairing reversed = associate(scanOf(azimuths), expectations, GateParams{});
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(straight.sighting_of[i], 4 - reversed.sighting_of[i]);
+}
+
+TEST(Association, WorksAcrossTheWrapAndAtAnElevationOf67Degrees) {
+  Expectation far = expectation(1, 0.0);
+  far.chart = Chart::around(directionOf({3.1415, 0.0}));
+  far.prediction.mean << 0.0, 1.17, 0.0, 0.0;
+  Scan scan;
+  const double azimuth_sigma = kSigma / std::cos(1.17);
+  scan.sightings.push_back(sightingOf(
+      {-3.1412, 1.171}, Eigen::Vector2d(azimuth_sigma * azimuth_sigma, kSigma * kSigma).asDiagonal()));
+  EXPECT_EQ(associate(scan, {far}, GateParams{}).sighting_of, std::vector<int>{0});
+}
+
+TEST(Association, EmptyScansAndNoTracksAreFine) {
+  EXPECT_EQ(associate(Scan{}, {expectation(1, 0.0)}, GateParams{}).sighting_of, std::vector<int>{-1});
+  EXPECT_TRUE(associate(scanOf({0.0}), {}, GateParams{}).may_start[0]);
+}
+
+}  // namespace
+}  // namespace sightline::core

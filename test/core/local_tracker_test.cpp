@@ -1,0 +1,414 @@
+#include "sightline/core/local_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <set>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+namespace sightline::core {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+using Path = std::function<Eigen::Vector2d(double)>;  // (azimuth, elevation) [rad] by time [s]
+
+Sighting sightingAt(const Eigen::Vector2d& angles, double sigma) {
+  const double azimuth_sigma = sigma / std::cos(angles.y());
+  return sightingOf(angles, Eigen::Vector2d(azimuth_sigma * azimuth_sigma, sigma * sigma).asDiagonal());
+}
+
+/// A sensor that looks at targets with a given noise on the sphere; all random draws from one seed.
+struct Sensor {
+  std::string name = "camera";
+  double sigma = 1e-3;
+  std::mt19937_64 random{1};
+  std::normal_distribution<double> normal{};
+
+  Scan look(double time_s, const std::vector<Path>& targets) {
+    Scan scan;
+    scan.time = Time(std::chrono::seconds(1000) + durationOf(time_s));
+    scan.sensor = name;
+    for (const Path& target : targets) {
+      const Eigen::Vector3d truth = directionOf(target(time_s));
+      const Eigen::Vector3d across = truth.unitOrthogonal();
+      const double a = sigma * normal(random), b = sigma * normal(random);
+      scan.sightings.push_back(sightingAt(anglesOf(truth + a * across + b * truth.cross(across)), sigma));
+    }
+    return scan;
+  }
+};
+
+double errorOf(const Track& track, const Eigen::Vector2d& truth) {
+  return angleBetween(directionOf(track.state.angles()), directionOf(truth));
+}
+
+std::vector<Track> confirmed(const ScanReport& report) {
+  std::vector<Track> tracks;
+  std::copy_if(report.tracks.begin(), report.tracks.end(), std::back_inserter(tracks),
+               [](const Track& track) { return track.status == TrackStatus::confirmed; });
+  return tracks;
+}
+
+const Path kStill = [](double) { return Eigen::Vector2d(0.3, 0.2); };
+const Path kSine = [](double t) { return Eigen::Vector2d(0.02 * std::sin(t), 0.02 * std::cos(t)); };
+
+TEST(LocalTracker, ConfirmsATargetAfterMSightingsAndReportsEveryDecision) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  ScanReport report = tracker.onScan(sensor.look(0.0, {kStill}));
+  ASSERT_EQ(report.associations.size(), 1u);
+  EXPECT_EQ(report.associations[0].decision, Decision::started_track);
+  EXPECT_EQ(report.tracks.at(0).status, TrackStatus::tentative);
+  report = tracker.onScan(sensor.look(0.03, {kStill}));
+  EXPECT_EQ(report.associations[0].decision, Decision::accepted);
+  EXPECT_TRUE(confirmed(report).empty());
+  report = tracker.onScan(sensor.look(0.06, {kStill}));
+  ASSERT_EQ(confirmed(report).size(), 1u);
+  EXPECT_EQ(report.tracks[0].id, report.associations[0].track);
+  EXPECT_LE(report.associations[0].distance_squared, report.associations[0].threshold);
+  EXPECT_EQ(report.tracks[0].sources, std::vector<std::string>{"camera"});
+}
+
+TEST(LocalTracker, FalseSightingsAloneNeverConfirmATrack) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  Sensor sensor;
+  for (int k = 0; k < 300; ++k) {
+    const Eigen::Vector2d somewhere(kPi * uniform(random), uniform(random));
+    const ScanReport report = tracker.onScan(sensor.look(0.03 * k, {[=](double) { return somewhere; }}));
+    EXPECT_TRUE(confirmed(report).empty());
+    EXPECT_LE(report.tracks.size(), 6u);
+  }
+}
+
+/// One target on its path for ten seconds: one track, the same id, never lost.
+class HoldsATarget : public testing::TestWithParam<std::pair<const char*, Path>> {};
+
+TEST_P(HoldsATarget, WithOneTrackAndASmallerErrorThanTheSightings) {
+  LocalTrackerParams params;
+  LocalTracker tracker(params);
+  Sensor sensor;
+  sensor.sigma = 2e-3;
+  double squared = 0.0;
+  int count = 0;
+  std::set<std::uint32_t> ids;
+  for (int k = 0; k < 333; ++k) {
+    const double t = 0.03 * k;
+    const ScanReport report = tracker.onScan(sensor.look(t, {GetParam().second}));
+    if (t < 1.0) continue;
+    ASSERT_EQ(report.tracks.size(), 1u) << "at " << t << " s";
+    ids.insert(report.tracks[0].id);
+    squared += std::pow(errorOf(report.tracks[0], GetParam().second(t)), 2) / 2.0;
+    ++count;
+    EXPECT_GT(
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(report.tracks[0].state.covariance).eigenvalues()(0),
+        0.0);
+  }
+  EXPECT_EQ(ids.size(), 1u);
+  EXPECT_LT(std::sqrt(squared / count), 0.8 * sensor.sigma);
+}
+
+// The zenith pass goes by 0.02 rad from the pole at 0.2 rad/s; the wrap is crossed at 0.1 rad/s.
+INSTANTIATE_TEST_SUITE_P(
+    Paths, HoldsATarget,
+    testing::Values(std::make_pair("still", kStill), std::make_pair("sine", kSine),
+                    std::make_pair("wrap", Path([](double t) {
+                                     return Eigen::Vector2d(wrapAngle(kPi - 0.5 + 0.1 * t), 0.1);
+                                   })),
+                    std::make_pair("zenith", Path([](double t) {
+                                     return anglesOf(Eigen::Vector3d(std::sin(0.2 * (t - 5.0)), 0.02,
+                                                                     std::cos(0.2 * (t - 5.0))));
+                                   })),
+                    std::make_pair("nadir", Path([](double t) {
+                                     return anglesOf(Eigen::Vector3d(std::sin(0.2 * (t - 5.0)), 0.0,
+                                                                     -std::cos(0.2 * (t - 5.0))));
+                                   }))),
+    [](const auto& parameters) { return parameters.param.first; });
+
+TEST(LocalTracker, TracksAreTheSameWhenTheWorldIsTurnedAboutTheVertical) {
+  const double turn = 2.7;
+  LocalTracker tracker{LocalTrackerParams{}}, turned{LocalTrackerParams{}};
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  Sensor sensor;
+  ScanReport a, b;
+  for (int k = 0; k < 60; ++k) {
+    Scan scan = sensor.look(0.03 * k, {kSine});
+    a = tracker.onScan(scan);
+    for (Sighting& sighting : scan.sightings) sighting = rotate(sighting, R);
+    b = turned.onScan(scan);
+  }
+  ASSERT_EQ(a.tracks.size(), b.tracks.size());
+  EXPECT_NEAR(wrapAngle(b.tracks[0].state.mean(0) - a.tracks[0].state.mean(0) - turn), 0.0, 1e-9);
+  EXPECT_TRUE(b.tracks[0].state.covariance.isApprox(a.tracks[0].state.covariance, 1e-6));
+}
+
+/// Default settings hold a target at any scale: sigma and motion shrink together.
+class AnyScale : public testing::TestWithParam<double> {};
+
+TEST_P(AnyScale, HoldsTheTarget) {
+  const double sigma = GetParam();
+  const Path path = [&](double t) {
+    return Eigen::Vector2d(10.0 * sigma * std::sin(t), 10.0 * sigma * std::cos(t));
+  };
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  sensor.sigma = sigma;
+  std::set<std::uint32_t> ids;
+  ScanReport report;
+  for (int k = 0; k < 333; ++k) {
+    report = tracker.onScan(sensor.look(0.03 * k, {path}));
+    if (k > 30)
+      for (const Track& track : confirmed(report)) ids.insert(track.id);
+  }
+  EXPECT_EQ(ids.size(), 1u);
+  EXPECT_LT(errorOf(confirmed(report).at(0), path(9.96)), 3.0 * sigma);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sigmas, AnyScale, testing::Values(1e-5, 1e-4, 1e-3, 1e-2, 5e-2));
+
+TEST(LocalTracker, CoastsThroughAGapAndTakesTheTargetUpAgain) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  const Path path = [](double t) { return Eigen::Vector2d(0.05 * t, 0.1); };
+  ScanReport report;
+  for (int k = 0; k < 60; ++k) report = tracker.onScan(sensor.look(0.03 * k, {path}));
+  const std::uint32_t id = report.tracks.at(0).id;
+  const double width = report.tracks[0].gate.half_width(0);
+  for (int k = 60; k < 90; ++k) report = tracker.onScan(sensor.look(0.03 * k, {}));
+  ASSERT_EQ(report.tracks.size(), 1u);
+  EXPECT_EQ(report.tracks[0].status, TrackStatus::coasting);
+  EXPECT_EQ(report.tracks[0].misses, 30u);
+  EXPECT_GT(report.tracks[0].gate.half_width(0), width);
+  report = tracker.onScan(sensor.look(2.7, {path}));
+  ASSERT_EQ(report.tracks.size(), 1u);
+  EXPECT_EQ(report.tracks[0].id, id);
+  EXPECT_EQ(report.tracks[0].status, TrackStatus::confirmed);
+}
+
+TEST(LocalTracker, GivesATargetUpAfterSilenceAndNeverReusesItsId) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  std::set<std::uint32_t> ids;
+  for (int stay = 0; stay < 4; ++stay) {
+    ScanReport report;
+    for (int k = 0; k < 20; ++k) report = tracker.onScan(sensor.look(100.0 * stay + 0.03 * k, {kStill}));
+    ASSERT_EQ(report.tracks.size(), 1u);
+    EXPECT_TRUE(ids.insert(report.tracks[0].id).second);
+  }
+}
+
+TEST(LocalTracker, SilenceIsNoMissButAnEmptyScanIs) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  for (int k = 0; k < 20; ++k) tracker.onScan(sensor.look(0.03 * k, {kStill}));
+  EXPECT_EQ(tracker.onScan(sensor.look(1.5, {kStill})).tracks.at(0).misses, 0u);
+  EXPECT_EQ(tracker.onScan(sensor.look(1.53, {})).tracks.at(0).misses, 1u);
+}
+
+TEST(LocalTracker, ASensorThatNeverSawTheTargetDoesNotMissIt) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sees, blind;
+  blind.name = "elsewhere";
+  ScanReport report;
+  for (int k = 0; k < 40; ++k) {
+    tracker.onScan(sees.look(0.1 * k, {kStill}));
+    for (int empty = 1; empty < 9; ++empty) report = tracker.onScan(blind.look(0.1 * k + 0.01 * empty, {}));
+  }
+  ASSERT_EQ(confirmed(report).size(), 1u);
+  EXPECT_EQ(report.tracks[0].misses, 0u);
+}
+
+TEST(LocalTracker, OneSettingServesSensorsOf1HzAndOf100Hz) {
+  for (const double interval : {0.01, 0.1, 1.0}) {
+    LocalTracker tracker{LocalTrackerParams{}};
+    Sensor sensor;
+    std::set<std::uint32_t> ids;
+    for (int k = 0; k < 100; ++k) {
+      const ScanReport report = tracker.onScan(sensor.look(interval * k, {kStill}));
+      for (const Track& track : confirmed(report)) ids.insert(track.id);
+    }
+    EXPECT_EQ(ids.size(), 1u) << interval << " s";
+  }
+}
+
+TEST(LocalTracker, CrossingTargetsKeepTheirIds) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  const Path a = [](double t) { return Eigen::Vector2d(-0.2 + 0.04 * t, 0.01 * t); };
+  const Path b = [](double t) { return Eigen::Vector2d(0.2 - 0.04 * t, 0.01 * t + 0.004); };
+  ScanReport report;
+  std::uint32_t id_a = 0, id_b = 0;
+  for (int k = 0; k <= 333; ++k) {
+    report = tracker.onScan(sensor.look(0.03 * k, {a, b}));
+    if (k != 60) continue;
+    for (const Track& track : confirmed(report)) (errorOf(track, a(1.8)) < 0.01 ? id_a : id_b) = track.id;
+  }
+  ASSERT_EQ(confirmed(report).size(), 2u);
+  for (const Track& track : confirmed(report))
+    EXPECT_EQ(track.id, errorOf(track, a(9.99)) < 0.01 ? id_a : id_b);
+}
+
+TEST(LocalTracker, TwoSensorsOfOneInstantMakeOneTrack) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor fine, coarse;
+  fine.name = "fine";
+  coarse.name = "coarse";
+  coarse.sigma = 5e-3;
+  ScanReport report;
+  for (int k = 0; k < 40; ++k) {
+    tracker.onScan(fine.look(0.03 * k, {kSine}));
+    report = tracker.onScan(coarse.look(0.03 * k, {kSine}));
+  }
+  ASSERT_EQ(report.tracks.size(), 1u);
+  EXPECT_EQ(report.tracks[0].sources, (std::vector<std::string>{"coarse", "fine"}));
+}
+
+/// Everything that a report says, so that two can be compared to the last bit.
+std::vector<double> bitsOf(const ScanReport& report) {
+  std::vector<double> bits{static_cast<double>(report.time.time_since_epoch().count())};
+  for (const Track& track : report.tracks) {
+    bits.push_back(track.id);
+    bits.push_back(static_cast<double>(track.status));
+    bits.insert(bits.end(), track.state.mean.data(), track.state.mean.data() + 4);
+    bits.insert(bits.end(), track.state.covariance.data(), track.state.covariance.data() + 16);
+    bits.push_back(track.hits);
+    bits.push_back(track.misses);
+  }
+  return bits;
+}
+
+TEST(LocalTracker, LateScansLeaveTheSameStateToTheLastBit) {
+  Sensor sensors[3];
+  for (int i = 0; i < 3; ++i) {
+    sensors[i].name = "sensor_" + std::to_string(i);
+    sensors[i].random.seed(static_cast<unsigned>(i + 1));
+  }
+  std::vector<Scan> scans;
+  const Path other = [](double t) { return Eigen::Vector2d(0.3 - 0.05 * t, 0.0); };
+  for (int k = 0; k < 300; ++k) {
+    scans.push_back(
+        sensors[k % 3].look(0.01 * k, k % 17 == 0 ? std::vector<Path>{} : std::vector<Path>{kSine, other}));
+  }
+  LocalTracker in_order{LocalTrackerParams{}};
+  for (const Scan& scan : scans) in_order.onScan(scan);
+
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> delay(0.0, 0.24);
+  for (int trial = 0; trial < 10; ++trial) {
+    std::vector<std::pair<double, std::size_t>> arrivals;
+    for (std::size_t k = 0; k < scans.size(); ++k)
+      arrivals.emplace_back(0.01 * static_cast<double>(k) + delay(random), k);
+    std::sort(arrivals.begin(), arrivals.end());
+    LocalTracker shuffled{LocalTrackerParams{}};
+    for (const auto& [time, k] : arrivals) EXPECT_EQ(shuffled.onScan(scans[k]).dropped, "");
+    Scan last = sensors[0].look(3.1, {});
+    LocalTracker reference{LocalTrackerParams{}};
+    for (const Scan& scan : scans) reference.onScan(scan);
+    EXPECT_EQ(bitsOf(shuffled.onScan(last)), bitsOf(reference.onScan(last)));
+  }
+}
+
+TEST(LocalTracker, ScansBeyondTheLagAreDroppedAndSaidSo) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  for (int k = 0; k < 100; ++k) tracker.onScan(sensor.look(0.03 * k, {kStill}));
+  const ScanReport report = tracker.onScan(sensor.look(1.0, {kStill}));
+  EXPECT_NE(report.dropped.find("late"), std::string::npos) << report.dropped;
+  EXPECT_EQ(report.associations.at(0).decision, Decision::rejected_input);
+  EXPECT_EQ(report.tracks.size(), 1u);
+}
+
+TEST(LocalTracker, DuplicatesAreRecognised) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  Scan scan;
+  for (int k = 0; k < 10; ++k) tracker.onScan(scan = sensor.look(0.03 * k, {kStill}));
+  const ScanReport report = tracker.onScan(scan);
+  EXPECT_NE(report.dropped.find("duplicate"), std::string::npos);
+  EXPECT_EQ(report.tracks.at(0).hits, 10u);
+}
+
+TEST(LocalTracker, AClockThatGoesBackStartsAnewWithNewIds) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  for (int k = 0; k < 100; ++k) tracker.onScan(sensor.look(100.0 + 0.03 * k, {kStill}));
+  ScanReport report;
+  int notices = 0;
+  for (int k = 0; k < 100; ++k) {
+    report = tracker.onScan(sensor.look(0.03 * k, {kStill}));
+    notices += report.notice.empty() ? 0 : 1;
+  }
+  EXPECT_EQ(notices, 1);
+  ASSERT_EQ(confirmed(report).size(), 1u);
+  EXPECT_GT(report.tracks[0].id, 1u);
+}
+
+TEST(LocalTracker, OneSensorWithAClockInThePastDoesNotDisturbTheOthers) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor good, wrong;
+  wrong.name = "wrong";
+  ScanReport report;
+  for (int k = 0; k < 200; ++k) {
+    EXPECT_NE(k == 0 ? "late" : tracker.onScan(wrong.look(-50.0 + 0.03 * k, {kStill})).dropped, "");
+    report = tracker.onScan(good.look(0.03 * k, {kStill}));
+    EXPECT_EQ(report.notice, "");
+  }
+  EXPECT_EQ(confirmed(report).size(), 1u);
+  EXPECT_EQ(report.tracks[0].hits, 200u);
+}
+
+TEST(LocalTracker, UnusableSightingsAreRejectedOneByOne) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  for (int k = 0; k < 10; ++k) tracker.onScan(sensor.look(0.03 * k, {kStill}));
+  Scan scan = sensor.look(0.3, {kStill, kStill, kStill});
+  scan.sightings[0].direction.x() = std::numeric_limits<double>::quiet_NaN();
+  scan.sightings[2].covariance.setZero();
+  const ScanReport report = tracker.onScan(scan);
+  EXPECT_EQ(report.associations.at(0).decision, Decision::rejected_input);
+  EXPECT_EQ(report.associations.at(1).decision, Decision::accepted);
+  EXPECT_EQ(report.associations.at(1).sighting, 1u);
+  EXPECT_EQ(report.associations.at(2).decision, Decision::rejected_input);
+  EXPECT_FALSE(report.associations[2].reason.empty());
+}
+
+TEST(LocalTracker, AHundredThousandSightingsInOneScanAreBoundedAndTheTrackSurvives) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  for (int k = 0; k < 20; ++k) tracker.onScan(sensor.look(0.03 * k, {kStill}));
+  Scan flood = sensor.look(0.6, {kStill});
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  while (flood.sightings.size() < 100000) {
+    flood.sightings.push_back(sightingAt({kPi * uniform(random), uniform(random)}, 1e-3));
+  }
+  ScanReport report = tracker.onScan(flood);
+  EXPECT_EQ(report.associations.size(), 100000u);
+  EXPECT_LE(report.tracks.size(), 500u);
+  EXPECT_EQ(report.tracks[0].hits, 21u);
+  EXPECT_EQ(report.associations.back().decision, Decision::rejected_input);
+  for (int k = 21; k < 40; ++k) report = tracker.onScan(sensor.look(0.03 * k, {kStill}));
+  EXPECT_EQ(report.tracks.size(), 1u);
+}
+
+TEST(LocalTracker, SigmasStatedTwiceTooSmallStillGiveOneTrack) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  sensor.sigma = 2e-3;
+  std::set<std::uint32_t> ids;
+  for (int k = 0; k < 333; ++k) {
+    Scan scan = sensor.look(0.03 * k, {kSine});
+    for (Sighting& sighting : scan.sightings) sighting.covariance *= 0.25;
+    for (const Track& track : confirmed(tracker.onScan(scan))) ids.insert(track.id);
+  }
+  EXPECT_EQ(ids.size(), 1u);
+}
+
+}  // namespace
+}  // namespace sightline::core
