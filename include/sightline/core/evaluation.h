@@ -1,0 +1,118 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/core/scores.h"
+#include "sightline/core/truth.h"
+
+namespace sightline::core {
+
+struct EvaluationParams {
+  double settle_time = 0.0;    ///< first seconds of each target, in which nothing counts [s]; >= 0
+  double truth_gap = 2.0;      ///< between samples further apart, a target is not there [s]; > 0
+  double truth_memory = 10.0;  ///< how far back the truth is kept, for late scans [s]; > truth_gap
+  double match_gate = 0.0;     ///< largest distance of a target's track [rad]; 0 = ten stated sigmas of the
+                               ///< coarsest sensor, 0.1 rad before any sighting
+  double sighting_gate = 6.0;  ///< largest distance of a target's sighting, in stated sigmas; > 0
+  double sighting_gate_floor = 0.0;  ///< distance [rad] within which a sighting is a target's anyway; >= 0
+  Channels channels =
+      Channels::azimuth_and_elevation;  ///< azimuth_only: elevations of the truth are not used
+  GospaParams gospa;
+};
+
+/// One line of the table: the fields of sightline/EvaluationRow, and more.
+struct EvaluationRow {
+  enum class Kind { sightings, tracks, fused_tracks };
+
+  Kind kind = Kind::sightings;
+  std::string topic;
+  std::string name;           ///< sensor or tracker; empty before its first message
+  std::uint64_t samples = 0;  ///< pairs (target, instant) that counted
+  int dimensions = 2;         ///< of the position
+  double rmse = 0.0;          ///< over both channels [rad]
+  double relative_rmse =
+      0.0;  ///< over the stated sigma of the best sensor: the smallest root mean stated variance [1]
+  double rate_rmse = 0.0;  ///< [rad/s]
+  double anees_position = 0.0, anees_state = 0.0;
+  double coverage = 0.0;  ///< share of the pairs (target, report) with a track
+  std::uint32_t breaks = 0, id_switches = 0;
+  std::uint64_t unmatched = 0;  ///< sightings, or believed tracks in reports, of no target
+  std::uint64_t unjudged = 0;   ///< scans or reports for whose time no truth is known
+  double stated_sigma = 0.0;    ///< of sightings, root mean variance of a channel [rad]
+  GospaMeans gospa;             ///< of tracks
+  int tracks_now = 0;           ///< believed tracks in the last report
+  Eigen::Vector2d angles_now = Eigen::Vector2d::Zero();  ///< of the first of them [rad]
+  double error_now = 0.0;  ///< of the last scan or report that was judged, over channels and targets [rad]
+};
+
+/// Compares sightings and tracks with the truth as they come, in any order between topics. What is not yet
+/// bracketed by the truth waits. Only believed tracks (confirmed or coasting) count. NaN stands for what
+/// there is no sample of.
+///
+/// Instants: a tracker is asked for its targets whenever it reports, not in between.
+class Evaluation {
+ public:
+  explicit Evaluation(const EvaluationParams& params = {}) : params_(params) {}
+
+  /// All targets that there are at `time`, by id. A time further back than the memory means that time has
+  /// jumped: what was kept of the truth and of identities is forgotten, what counted stays.
+  void addTruth(Time time, const std::map<std::uint32_t, Eigen::Vector4d>& motions);
+
+  /// A topic of which a line shall appear even if nothing comes.
+  void expectSightings(const std::string& topic);
+  void expectTracks(const std::string& topic);
+
+  /// A scan, in the tracking frame; a line for each sensor of a topic.
+  void addScan(const std::string& topic, Scan scan_tracking);
+
+  void addTracks(const std::string& topic, TrackReport report);
+
+  /// Sightings first, then local tracks, then fused ones; each in the order of appearance.
+  std::vector<EvaluationRow> rows() const;
+
+  /// Stated sigma of the best sensor [rad]; NaN without sightings.
+  double bestSigma() const;
+
+  /// Time of the newest message that was compared; nullopt without one.
+  std::optional<Time> lastJudged() const { return last_judged_; }
+
+  void listen(JudgementListener listener) { listener_ = std::move(listener); }
+
+ private:
+  template <typename Score, typename Message>
+  struct Topic {
+    Score score;
+    std::deque<Message> waiting;
+    std::uint64_t unjudged = 0;
+  };
+  using SightingTopic = Topic<SightingScore, Scan>;
+  using TrackTopic = Topic<TrackScore, TrackReport>;
+
+  SightingTopic& sightingTopic(const std::string& topic, const std::string& sensor);
+  TrackTopic& trackTopic(const std::string& topic);
+
+  template <typename Score, typename Message>
+  void await(Topic<Score, Message>& topic, Message message);
+  template <typename Score, typename Message>
+  void judgeReady(Topic<Score, Message>& topic);
+  void judge(SightingTopic& topic, const Scan& scan);
+  void judge(TrackTopic& topic, const TrackReport& report);
+
+  void forgetTruth();
+  std::vector<Target> targetsAt(Time time) const;
+  double matchGate() const;
+
+  EvaluationParams params_;
+  JudgementListener listener_;
+  std::map<std::uint32_t, TruthPath> truth_;
+  std::optional<Time> oldest_truth_, newest_truth_;
+  std::optional<Time> last_judged_;
+  std::deque<SightingTopic> sighting_topics_;  // in order of appearance; references stay valid
+  std::deque<TrackTopic> track_topics_;
+};
+
+}  // namespace sightline::core

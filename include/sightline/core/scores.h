@@ -1,0 +1,148 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sightline/core/continuity.h"
+#include "sightline/core/gospa.h"
+#include "sightline/core/metrics.h"
+#include "sightline/core/sighting.h"
+#include "sightline/core/track.h"
+
+/// Scans and track reports of one topic against the truth of the same instant.
+namespace sightline::core {
+
+/// A target at the instant that is judged.
+struct Target {
+  std::uint32_t id = 0;
+  AngularState state;   ///< the truth, tracking frame, covariance zero
+  bool settled = true;  ///< false: its errors do not count yet
+};
+
+/// What a tracker said at one instant.
+struct TrackReport {
+  Time time{};
+  std::string tracker;  ///< its name
+  bool fused = false;   ///< tracks of tracks
+  std::vector<Track> tracks;
+};
+
+/// A sighting or track that was found to be of a target; for whoever wants to draw the errors.
+struct JudgedPair {
+  std::string topic;
+  std::string name;  ///< sensor or tracker
+  Time time{};
+  std::uint32_t target = 0;
+  std::uint32_t track = 0;  ///< id; 0 for a sighting
+  Eigen::Vector2d angles;   ///< of the sighting or track [rad]
+  Eigen::Vector2d truth;    ///< [rad]
+  DirectionError error;
+};
+
+/// The metric of a report.
+struct JudgedReport {
+  std::string topic;
+  Time time{};
+  Gospa gospa;
+};
+
+/// Told of everything that counts; either may be empty.
+struct JudgementListener {
+  std::function<void(const JudgedPair&)> pair;
+  std::function<void(const JudgedReport&)> report;
+};
+
+/// Which sighting belongs to a target: one within `sigmas` of its stated covariance (Mahalanobis distance),
+/// or within `floor` [rad] of the truth whatever it states.
+struct SightingGate {
+  double sigmas = 6.0;
+  double floor = 0.0;
+};
+
+/// The sightings of one sensor on one topic. The others than those matched are false ones, or of no known
+/// target.
+class SightingScore {
+ public:
+  SightingScore(std::string topic, std::string sensor, Channels channels)
+      : topic_(std::move(topic)), sensor_(std::move(sensor)), channels_(channels), errors_(channels) {}
+
+  /// Notes what the sightings state of themselves; before the truth is known.
+  void note(const Scan& scan_tracking);
+
+  /// Each target takes at most one sighting: as many as there are within the gate, the nearest together.
+  void judge(const Scan& scan_tracking, const std::vector<Target>& targets, const SightingGate& gate,
+             const JudgementListener& listener);
+
+  const std::string& topic() const { return topic_; }
+  const std::string& sensor() const { return sensor_; }
+  const ErrorStatistics& errors() const { return errors_; }
+  double statedSigma()
+      const;  ///< root mean stated variance of a channel [rad]; NaN before the first sighting
+  double lastError() const {
+    return last_error_;
+  }  ///< rms over channels and targets, last scan with any [rad]
+  std::uint64_t unmatched() const { return unmatched_; }
+
+ private:
+  std::string topic_, sensor_;
+  Channels channels_;
+  ErrorStatistics errors_;
+  RunningMean stated_variance_;
+  double last_error_ = std::numeric_limits<double>::quiet_NaN();
+  std::uint64_t unmatched_ = 0;
+};
+
+/// The believed (confirmed or coasting) tracks of one topic.
+class TrackScore {
+ public:
+  TrackScore(std::string topic, Channels channels, const GospaParams& gospa)
+      : topic_(std::move(topic)), channels_(channels), errors_(channels), gospa_(gospa) {}
+
+  /// Notes what is reported; before the truth is known.
+  void note(const TrackReport& report);
+
+  /// A target keeps the track it had as long as that is within `gate` [rad]; the others are assigned with the
+  /// smallest sum of squared distances (K. Bernardin, R. Stiefelhagen, EURASIP JIVP 2008).
+  void judge(const TrackReport& report, const std::vector<Target>& targets, double gate,
+             const JudgementListener& listener);
+
+  /// The truth begins anew: which track each target had is forgotten, what counted stays.
+  void restart() { continuity_.forgetAll(); }
+
+  const std::string& topic() const { return topic_; }
+  const std::string& tracker() const { return tracker_; }  ///< empty before the first report
+  bool fused() const { return fused_; }
+  const ErrorStatistics& errors() const { return errors_; }
+  const Continuity& continuity() const { return continuity_; }
+  const GospaMeans& gospaMeans() const { return gospa_; }
+  std::uint64_t unmatched() const { return unmatched_; }
+  double lastError() const {
+    return last_error_;
+  }  ///< rms over channels and targets, last report with any [rad]
+  int tracksNow() const { return tracks_now_; }              ///< believed tracks in the last report
+  Eigen::Vector2d anglesNow() const { return angles_now_; }  ///< of the first of them [rad]; NaN without
+
+ private:
+  /// Adds the error; returns its mean square over the channels [rad^2].
+  double judgePair(const TrackReport& report, const Target& target, const Track& track,
+                   const JudgementListener& listener);
+
+  std::string topic_, tracker_;
+  bool fused_ = false;
+  Channels channels_;
+  ErrorStatistics errors_;
+  Continuity continuity_;
+  GospaMeans gospa_;
+  std::uint64_t unmatched_ = 0;
+  double last_error_ = std::numeric_limits<double>::quiet_NaN();
+  int tracks_now_ = 0;
+  Eigen::Vector2d angles_now_ = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+};
+
+}  // namespace sightline::core

@@ -1,0 +1,191 @@
+#include "sightline/core/scores.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/core/assignment.h"
+
+namespace sightline::core {
+namespace {
+
+constexpr double kForbidden = std::numeric_limits<double>::infinity();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// The direction that distances are measured from; without elevations, on the horizon.
+Eigen::Vector3d comparable(const Eigen::Vector2d& angles, Channels channels) {
+  return directionOf({angles.x(), channels == Channels::azimuth_only ? 0.0 : angles.y()});
+}
+
+bool isBelieved(const Track& track) {
+  return track.status != TrackStatus::tentative && track.state.mean.allFinite();
+}
+
+std::vector<const Track*> believedOf(const TrackReport& report) {
+  std::vector<const Track*> believed;
+  for (const Track& track : report.tracks) {
+    if (isBelieved(track)) believed.push_back(&track);
+  }
+  return believed;
+}
+
+double statedVariance(const Sighting& sighting, Channels channels) {
+  return channels == Channels::azimuth_only ? anglesCovariance(sighting)(0, 0)
+                                            : 0.5 * sighting.covariance.trace();
+}
+
+/// For each target its sighting, or -1: as many as lie within the gate, with the smallest sum of squared
+/// distances.
+std::vector<int> matchSightings(const std::vector<Target>& targets, const std::vector<Sighting>& sightings,
+                                const SightingGate& gate, Channels channels) {
+  const double dimensions = channels == Channels::azimuth_only ? 1.0 : 2.0;
+  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(targets.size(), sightings.size(), kForbidden);
+  for (Eigen::Index i = 0; i < cost.rows(); ++i) {
+    for (Eigen::Index j = 0; j < cost.cols(); ++j) {
+      const DirectionError error = errorOf(sightings[j], targets[i].state, channels);
+      const double square = error.position.squaredNorm();
+      const double sigmas = error.position_nees ? std::sqrt(*error.position_nees * dimensions) : kForbidden;
+      if (square <= gate.floor * gate.floor || sigmas <= gate.sigmas) cost(i, j) = square;
+    }
+  }
+  return assign(cost);
+}
+
+/// Angles [rad] between targets (rows) and tracks (columns).
+Eigen::MatrixXd distances(const std::vector<Target>& targets, const std::vector<const Track*>& tracks,
+                          Channels channels) {
+  Eigen::MatrixXd distance(targets.size(), tracks.size());
+  for (Eigen::Index i = 0; i < distance.rows(); ++i) {
+    const Eigen::Vector3d truth = comparable(targets[i].state.angles(), channels);
+    for (Eigen::Index j = 0; j < distance.cols(); ++j) {
+      distance(i, j) = angleBetween(comparable(tracks[j]->state.angles(), channels), truth);
+    }
+  }
+  return distance;
+}
+
+/// Forbids every pair of row `i` and of column `j` but (i, j).
+void keepPair(Eigen::MatrixXd& cost, Eigen::Index i, Eigen::Index j) {
+  const double own = cost(i, j);
+  cost.row(i).setConstant(kForbidden);
+  cost.col(j).setConstant(kForbidden);
+  cost(i, j) = own;
+}
+
+/// For each target its track, or nullptr.
+std::vector<const Track*> matchTracks(const std::vector<Target>& targets,
+                                      const std::vector<const Track*>& tracks, const Continuity& continuity,
+                                      double gate, Channels channels) {
+  const Eigen::MatrixXd distance = distances(targets, tracks, channels);
+  Eigen::MatrixXd cost = (distance.array() <= gate).select(distance.array().square(), kForbidden);
+  for (Eigen::Index i = 0; i < cost.rows(); ++i) {
+    const auto kept = continuity.trackOf(targets[i].id);
+    for (Eigen::Index j = 0; kept && j < cost.cols(); ++j) {
+      if (tracks[j]->id == *kept && distance(i, j) <= gate) keepPair(cost, i, j);
+    }
+  }
+  std::vector<const Track*> track_of;
+  for (const int j : assign(cost, gate * gate)) track_of.push_back(j < 0 ? nullptr : tracks[j]);
+  return track_of;
+}
+
+/// The metric of the targets that count and the tracks, less those of targets that do not count yet.
+Gospa gospaOf(const std::vector<Target>& targets, const std::vector<const Track*>& tracks,
+              const std::vector<const Track*>& track_of, Channels channels, const GospaParams& params) {
+  std::vector<Eigen::Vector3d> truths, estimates;
+  std::vector<const Track*> ignored;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    if (targets[i].settled) {
+      truths.push_back(comparable(targets[i].state.angles(), channels));
+    } else if (track_of[i]) {
+      ignored.push_back(track_of[i]);
+    }
+  }
+  for (const Track* track : tracks) {
+    if (std::find(ignored.begin(), ignored.end(), track) != ignored.end()) continue;
+    estimates.push_back(comparable(track->state.angles(), channels));
+  }
+  return gospa(estimates, truths, params);
+}
+
+std::vector<std::uint32_t> idsOf(const std::vector<Target>& targets) {
+  std::vector<std::uint32_t> ids;
+  for (const Target& target : targets) ids.push_back(target.id);
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+}  // namespace
+
+void SightingScore::note(const Scan& scan) {
+  for (const Sighting& sighting : scan.sightings) {
+    const double variance = statedVariance(sighting, channels_);
+    if (std::isfinite(variance) && variance > 0.0) stated_variance_.add(variance);
+  }
+}
+
+double SightingScore::statedSigma() const {
+  return std::sqrt(stated_variance_.mean());
+}
+
+void SightingScore::judge(const Scan& scan, const std::vector<Target>& targets, const SightingGate& gate,
+                          const JudgementListener& listener) {
+  const std::vector<int> sighting_of = matchSightings(targets, scan.sightings, gate, channels_);
+  const auto matched = targets.size() - std::count(sighting_of.begin(), sighting_of.end(), -1);
+  unmatched_ += scan.sightings.size() - matched;
+
+  RunningMean square;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    if (sighting_of[i] < 0 || !targets[i].settled) continue;
+    const Sighting& sighting = scan.sightings[sighting_of[i]];
+    const DirectionError error = errorOf(sighting, targets[i].state, channels_);
+    errors_.add(error);
+    square.add(error.position.squaredNorm() / errors_.dimensions());
+    if (listener.pair) {
+      listener.pair({topic_, sensor_, scan.time, targets[i].id, 0, anglesOf(sighting.direction),
+                     targets[i].state.angles(), error});
+    }
+  }
+  if (square.count() > 0) last_error_ = std::sqrt(square.mean());
+}
+
+void TrackScore::note(const TrackReport& report) {
+  tracker_ = report.tracker;
+  fused_ = report.fused;
+  const std::vector<const Track*> tracks = believedOf(report);
+  tracks_now_ = static_cast<int>(tracks.size());
+  angles_now_ = tracks.empty() ? Eigen::Vector2d::Constant(kUnknown) : tracks.front()->state.angles();
+}
+
+void TrackScore::judge(const TrackReport& report, const std::vector<Target>& targets, double gate,
+                       const JudgementListener& listener) {
+  const std::vector<const Track*> tracks = believedOf(report);
+  const std::vector<const Track*> track_of = matchTracks(targets, tracks, continuity_, gate, channels_);
+  const auto matched = targets.size() - std::count(track_of.begin(), track_of.end(), nullptr);
+  unmatched_ += tracks.size() - matched;
+
+  continuity_.forgetAllBut(idsOf(targets));
+  RunningMean square;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    if (!targets[i].settled) continue;
+    continuity_.observe(targets[i].id, track_of[i] ? std::optional(track_of[i]->id) : std::nullopt);
+    if (track_of[i]) square.add(judgePair(report, targets[i], *track_of[i], listener));
+  }
+  if (square.count() > 0) last_error_ = std::sqrt(square.mean());
+
+  const Gospa metric = gospaOf(targets, tracks, track_of, channels_, gospa_.params());
+  gospa_.add(metric);
+  if (listener.report) listener.report({topic_, report.time, metric});
+}
+
+double TrackScore::judgePair(const TrackReport& report, const Target& target, const Track& track,
+                             const JudgementListener& listener) {
+  const DirectionError error = errorOf(track.state, target.state, channels_);
+  errors_.add(error);
+  if (listener.pair) {
+    listener.pair({topic_, report.tracker, report.time, target.id, track.id, track.state.angles(),
+                   target.state.angles(), error});
+  }
+  return error.position.squaredNorm() / errors_.dimensions();
+}
+
+}  // namespace sightline::core
