@@ -410,5 +410,55 @@ TEST(LocalTracker, SigmasStatedTwiceTooSmallStillGiveOneTrack) {
   EXPECT_EQ(ids.size(), 1u);
 }
 
+/// Every estimator under input that no sensor would send: it must stay finite, positive definite and bounded.
+class Abuse : public testing::TestWithParam<EstimatorKind> {};
+
+TEST_P(Abuse, LeavesTracksFiniteAndCovariancesPositiveDefinite) {
+  LocalTrackerParams params;
+  params.estimator.kind = GetParam();
+  params.max_tracks = 50;
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::uniform_int_distribution<int> count(0, 8);
+  for (int trial = 0; trial < 20; ++trial) {
+    LocalTracker tracker(params);
+    double time = 0.0;
+    for (int k = 0; k < 300; ++k) {
+      const double kind = uniform(random);
+      time += kind > 0.98 ? 50.0 * std::abs(uniform(random)) : kind < -0.98 ? -0.4 : kind < -0.8 ? 0.0 : 0.03;
+      Scan scan;
+      scan.time = Time(std::chrono::seconds(1000) + durationOf(time));
+      scan.sensor = kind > 0.0 ? "a" : "b";
+      for (int j = count(random); j > 0; --j) {
+        // Near one spot or anywhere, poles included; sigmas over seven decades; ellipses of any shape.
+        const Eigen::Vector2d angles =
+            j % 3 == 0 ? Eigen::Vector2d(kPi * uniform(random), 0.5 * kPi * uniform(random))
+                       : Eigen::Vector2d(3.14 + 0.01 * uniform(random), 1.5 + 0.01 * uniform(random));
+        Eigen::Matrix2d root;
+        root << std::pow(10.0, -4.5 + 3.5 * uniform(random)), 0.0, 1e-3 * uniform(random),
+            std::pow(10.0, -4.5 + 3.5 * uniform(random));
+        const Eigen::Matrix2d covariance = root * root.transpose();
+        if (!rejectionOf(angles, covariance)) scan.sightings.push_back(sightingOf(angles, covariance));
+      }
+      const ScanReport report = tracker.onScan(scan);
+      ASSERT_LE(report.tracks.size(), 50u);
+      for (const Track& track : report.tracks) {
+        ASSERT_TRUE(track.state.mean.allFinite());
+        ASSERT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(track.state.covariance).eigenvalues()(3),
+                  0.0);
+        ASSERT_TRUE(track.gate.half_width.allFinite());
+        const Eigen::Vector4d scale = track.state.covariance.diagonal().cwiseSqrt().cwiseInverse();
+        const Eigen::Matrix4d correlation = scale.asDiagonal() * track.state.covariance * scale.asDiagonal();
+        ASSERT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(correlation).eigenvalues()(0), -1e-9)
+            << track.state.covariance;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Estimators, Abuse,
+                         testing::Values(EstimatorKind::twbls, EstimatorKind::noga, EstimatorKind::kalman,
+                                         EstimatorKind::imm));
+
 }  // namespace
 }  // namespace sightline::core
