@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <sightline/AssociationArray.h>
+#include <sightline/SightingArray.h>
+#include <sightline/TrackArray.h>
+#include <tf2/buffer_core.h>
+
+#include "sightline/core/local_tracker.h"
+#include "sightline/core/time.h"
+#include "sightline/ros/frames.h"
+#include "sightline/ros/param_reader.h"
+
+namespace sightline_ros {
+
+/// What a local tracker says of one scan.
+struct TrackerReport {
+  sightline::SightingArray::ConstPtr scan;
+  sightline::TrackArray::Ptr tracks;              ///< null when the scan was dropped
+  sightline::AssociationArray::Ptr associations;  ///< every sighting of the scan, whether it was used or not
+  std::size_t rejected = 0;                       ///< sightings with REJECTED_INPUT
+  std::string drop_reason;                        ///< short and of few kinds; empty when the scan was used
+  std::string drop_detail;                        ///< the whole story
+  std::string notice;                             ///< what else an operator must know; mostly empty
+};
+
+/// A local tracker from message to message, without a node round it: frame change, then the tracker of the
+/// core. Node, nodelet and offline replay hold one each.
+class LocalTrackerComponent {
+ public:
+  /// Reads all parameters of the tracker at this level of `reader` but `sighting_topics`; the caller calls
+  /// `finish`. `name` is the tracker's name where `tracker_name` does not say another. Throws ParamError.
+  LocalTrackerComponent(const ParamReader& reader, const std::string& name,
+                        const tf2::BufferCore& transforms);
+
+  /// Takes a scan; `now` is the clock, 0 = not known. Returns what became of it, and of scans that had
+  /// waited; nothing as long as it has to wait for its transform.
+  std::vector<TrackerReport> onScan(const sightline::SightingArray::ConstPtr& scan,
+                                    sightline::core::Time now);
+
+  /// Transforms have come, or time has gone by: what became of the scans that were waiting.
+  std::vector<TrackerReport> onTransforms(sightline::core::Time now);
+
+  std::size_t waiting() const { return frames_.waiting(); }
+  const std::string& name() const { return name_; }
+  const std::string& estimator() const { return estimator_; }
+  const std::string& trackingFrame() const { return frames_.params().tracking_frame; }
+  double maxLag() const { return max_lag_; }  ///< lateness up to which a scan is put in its place [s]
+  double tfTimeout() const { return frames_.params().tf_timeout; }  ///< [s]
+
+ private:
+  LocalTrackerComponent(const sightline::core::LocalTrackerParams& tracker, const FrameChangeParams& frames,
+                        std::string name, const tf2::BufferCore& transforms);
+
+  TrackerReport track(FramedScan& framed);
+  sightline::TrackArray::Ptr trackArray(const sightline::core::ScanReport& report) const;
+
+  std::string name_;
+  std::string estimator_;
+  double max_lag_;
+  FrameChange frames_;
+  sightline::core::LocalTracker tracker_;
+};
+
+}  // namespace sightline_ros

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
+
+#include "sightline/core/time.h"
+#include "sightline/ros/local_tracker_component.h"
+
+namespace sightline_ros {
+
+/// What an operator is told about a local tracker: rates by sensor, drops by reason, age of the last
+/// sighting, tracks by status. Times are the clock's, handed in.
+class LocalTrackerHealth {
+ public:
+  /// `silence`: without a scan for so long the tracker is reported as starved [s].
+  explicit LocalTrackerHealth(double silence) : silence_(silence) {}
+
+  void note(const TrackerReport& report);
+
+  /// A line to warn with, when the report holds something to complain of that was not complained of lately:
+  /// at most one in five seconds of `now` for each reason.
+  std::optional<std::string> warningAbout(const TrackerReport& report, sightline::core::Time now);
+
+  /// Fills a diagnostic status; rates and the level are over the time since the last call.
+  void diagnose(sightline::core::Time now, std::size_t waiting,
+                diagnostic_updater::DiagnosticStatusWrapper& status);
+
+ private:
+  struct Sensor {
+    std::uint64_t scans = 0;
+    std::uint64_t sightings = 0;
+    std::uint64_t scans_before = 0;  // at the last diagnosis
+    sightline::core::Time last_scan{};
+    sightline::core::Time last_sighting{};
+  };
+  struct Counted {
+    std::uint64_t count = 0;
+    std::uint64_t count_before = 0;  // at the last diagnosis
+    std::uint64_t count_warned = 0;  // at the last warning
+    std::optional<sightline::core::Time> last_warning;
+  };
+
+  void summarize(sightline::core::Time now, diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  std::string latestDrops() const;
+
+  double silence_;
+  std::map<std::string, Sensor> sensors_;
+  std::map<std::string, Counted> drops_;   // by reason; rejected sightings are one of them
+  std::array<std::uint64_t, 3> tracks_{};  // by status, in the last report
+  std::optional<sightline::core::Time> last_diagnosis_;
+};
+
+}  // namespace sightline_ros

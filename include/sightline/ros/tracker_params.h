@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+
+#include "sightline/core/estimators.h"
+#include "sightline/core/gate.h"
+#include "sightline/core/local_tracker.h"
+#include "sightline/ros/param_reader.h"
+
+/// Loaders of the parameter structs that make a local tracker. Each reads the keys of its own level, named as
+/// the fields; defaults, units and meaning are at the structs. They throw ParamError.
+namespace sightline_ros {
+
+sightline::core::GateParams loadGateParams(const ParamReader& reader,
+                                           sightline::core::GateParams defaults = {});
+sightline::core::LifecycleParams loadLifecycleParams(const ParamReader& reader,
+                                                     sightline::core::LifecycleParams defaults = {});
+sightline::core::TwblsParams loadTwblsParams(const ParamReader& reader,
+                                             sightline::core::TwblsParams defaults = {});
+sightline::core::NogaParams loadNogaParams(const ParamReader& reader,
+                                           sightline::core::NogaParams defaults = {});
+sightline::core::KalmanParams loadKalmanParams(const ParamReader& reader,
+                                               sightline::core::KalmanParams defaults = {});
+sightline::core::ImmParams loadImmParams(const ParamReader& reader, sightline::core::ImmParams defaults = {});
+
+/// `estimator` (which one) and the sub-namespaces `twbls`, `noga`, `kalman`, `imm`.
+sightline::core::EstimatorParams loadEstimatorParams(const ParamReader& reader,
+                                                     sightline::core::EstimatorParams defaults = {});
+
+/// All of the above with `gate` and `lifecycle`, and the tracker's own.
+sightline::core::LocalTrackerParams loadLocalTrackerParams(const ParamReader& reader,
+                                                           sightline::core::LocalTrackerParams defaults = {});
+
+/// twbls, noga, kalman, imm.
+std::string nameOf(sightline::core::EstimatorKind kind);
+
+}  // namespace sightline_ros

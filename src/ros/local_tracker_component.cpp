@@ -1,0 +1,117 @@
+#include "sightline/ros/local_tracker_component.h"
+
+#include <algorithm>
+#include <boost/make_shared.hpp>
+#include <utility>
+
+#include "sightline/ros/conversions.h"
+#include "sightline/ros/tracker_params.h"
+
+namespace sightline_ros {
+
+namespace core = sightline::core;
+
+namespace {
+
+std::string nameFrom(const ParamReader& reader, const std::string& fallback) {
+  const std::string name = reader.text("tracker_name", "");
+  return name.empty() ? fallback : name;
+}
+
+/// Why a tracker dropped a scan begins with the kind of reason: "late: 0.7 s older than ...".
+std::string kindOf(const std::string& reason) {
+  return reason.substr(0, reason.find(':'));
+}
+
+/// One entry for each sighting of a scan that was not used at all.
+std::vector<core::Association> allRejected(std::size_t count, const std::string& reason) {
+  std::vector<core::Association> associations(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    associations[i].sighting = static_cast<std::uint32_t>(i);
+    associations[i].decision = core::Decision::rejected_input;
+    associations[i].reason = reason;
+  }
+  return associations;
+}
+
+bool isRejected(const core::Association& association) {
+  return association.decision == core::Decision::rejected_input;
+}
+
+sightline::AssociationArray::Ptr associationArray(const std::vector<core::Association>& associations,
+                                                  const sightline::SightingArray& scan,
+                                                  const std::string& frame) {
+  auto message = boost::make_shared<sightline::AssociationArray>();
+  message->header = scan.header;
+  message->header.frame_id = frame;
+  message->sensor = scan.sensor;
+  message->associations.reserve(associations.size());
+  for (const auto& association : associations) message->associations.push_back(toMessage(association));
+  return message;
+}
+
+}  // namespace
+
+LocalTrackerComponent::LocalTrackerComponent(const ParamReader& reader, const std::string& name,
+                                             const tf2::BufferCore& transforms)
+    : LocalTrackerComponent(loadLocalTrackerParams(reader), loadFrameChangeParams(reader),
+                            nameFrom(reader, name), transforms) {}
+
+LocalTrackerComponent::LocalTrackerComponent(const core::LocalTrackerParams& tracker,
+                                             const FrameChangeParams& frames, std::string name,
+                                             const tf2::BufferCore& transforms)
+    : name_(std::move(name)),
+      estimator_(nameOf(tracker.estimator.kind)),
+      max_lag_(tracker.max_lag),
+      frames_(frames, transforms),
+      tracker_(tracker) {}
+
+std::vector<TrackerReport> LocalTrackerComponent::onScan(const sightline::SightingArray::ConstPtr& scan,
+                                                         core::Time now) {
+  frames_.add(scan, now);
+  return onTransforms(now);
+}
+
+std::vector<TrackerReport> LocalTrackerComponent::onTransforms(core::Time now) {
+  std::vector<TrackerReport> reports;
+  for (FramedScan& framed : frames_.release(now)) reports.push_back(track(framed));
+  return reports;
+}
+
+TrackerReport LocalTrackerComponent::track(FramedScan& framed) {
+  TrackerReport report;
+  report.scan = framed.message;
+  report.drop_reason = std::move(framed.drop_reason);
+  report.drop_detail = std::move(framed.drop_detail);
+
+  std::vector<core::Association> associations;
+  if (report.drop_reason.empty()) {
+    core::ScanReport tracked = tracker_.onScan(framed.scan);
+    report.drop_reason = kindOf(tracked.dropped);
+    report.drop_detail = tracked.dropped;
+    report.notice = tracked.notice;
+    if (tracked.dropped.empty()) report.tracks = trackArray(tracked);
+    associations = std::move(tracked.associations);
+  } else {
+    associations = allRejected(framed.message->sightings.size(), report.drop_detail);
+  }
+  for (auto& [index, reason] : framed.rejections) associations[index].reason = std::move(reason);
+
+  report.rejected =
+      static_cast<std::size_t>(std::count_if(associations.begin(), associations.end(), isRejected));
+  report.associations = associationArray(associations, *framed.message, trackingFrame());
+  return report;
+}
+
+sightline::TrackArray::Ptr LocalTrackerComponent::trackArray(const core::ScanReport& report) const {
+  auto message = boost::make_shared<sightline::TrackArray>();
+  message->header.stamp = toRos(report.time);
+  message->header.frame_id = trackingFrame();
+  message->tracker = name_;
+  message->estimator = estimator_;
+  message->tracks.reserve(report.tracks.size());
+  for (const auto& track : report.tracks) message->tracks.push_back(toMessage(track));
+  return message;
+}
+
+}  // namespace sightline_ros

@@ -1,0 +1,127 @@
+#include "sightline/ros/local_tracker_health.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include <diagnostic_msgs/DiagnosticStatus.h>
+
+#include "sightline/ros/conversions.h"
+
+namespace sightline_ros {
+
+namespace core = sightline::core;
+using diagnostic_msgs::DiagnosticStatus;
+
+namespace {
+
+constexpr double kSecondsBetweenWarnings = 5.0;
+const char* const kRejectedSightings = "sightings rejected";
+
+/// The first reason that an association gives for rejecting a sighting.
+std::string firstRejection(const sightline::AssociationArray& associations) {
+  for (const auto& association : associations.associations) {
+    if (association.decision != sightline::Association::REJECTED_INPUT) continue;
+    return "sighting " + std::to_string(association.sighting) + ": " + association.reason;
+  }
+  return "";
+}
+
+std::string kindOfComplaint(const TrackerReport& report) {
+  if (!report.drop_reason.empty()) return "scans dropped, " + report.drop_reason;
+  return report.rejected > 0 ? kRejectedSightings : "";
+}
+
+}  // namespace
+
+void LocalTrackerHealth::note(const TrackerReport& report) {
+  const bool was_used = report.drop_reason.empty();
+  if (!was_used) ++drops_[kindOfComplaint(report)].count;
+  if (was_used && report.rejected > 0) drops_[kRejectedSightings].count += report.rejected;
+  if (!was_used) return;
+
+  Sensor& sensor = sensors_[report.scan->sensor];
+  const core::Time stamp = toCore(report.scan->header.stamp);
+  const std::size_t taken = report.scan->sightings.size() - report.rejected;
+  ++sensor.scans;
+  sensor.sightings += taken;
+  sensor.last_scan = std::max(sensor.last_scan, stamp);
+  if (taken > 0) sensor.last_sighting = std::max(sensor.last_sighting, stamp);
+
+  tracks_.fill(0);
+  for (const auto& track : report.tracks->tracks) {
+    if (track.status < tracks_.size()) ++tracks_[track.status];
+  }
+}
+
+std::optional<std::string> LocalTrackerHealth::warningAbout(const TrackerReport& report, core::Time now) {
+  const std::string kind = kindOfComplaint(report);
+  if (kind.empty()) return std::nullopt;
+  Counted& counted = drops_[kind];
+  if (counted.last_warning && now >= *counted.last_warning &&
+      core::seconds(now - *counted.last_warning) < kSecondsBetweenWarnings) {
+    return std::nullopt;
+  }
+  std::ostringstream warning;
+  warning << kind << " (" << counted.count - counted.count_warned << " new, " << counted.count
+          << " in all), the last of sensor \"" << report.scan->sensor << "\": "
+          << (report.drop_detail.empty() ? firstRejection(*report.associations) : report.drop_detail);
+  counted.last_warning = now;
+  counted.count_warned = counted.count;
+  return warning.str();
+}
+
+void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
+                                  diagnostic_updater::DiagnosticStatusWrapper& status) {
+  summarize(now, status);
+  status.add("tracks confirmed", tracks_[sightline::Track::CONFIRMED]);
+  status.add("tracks coasting", tracks_[sightline::Track::COASTING]);
+  status.add("tracks tentative", tracks_[sightline::Track::TENTATIVE]);
+
+  const double elapsed = last_diagnosis_ ? core::seconds(now - *last_diagnosis_) : 0.0;
+  for (auto& [name, sensor] : sensors_) {
+    const auto fresh = static_cast<double>(sensor.scans - sensor.scans_before);
+    status.addf(name + ": scan rate [Hz]", "%.1f", elapsed > 0.0 ? fresh / elapsed : 0.0);
+    status.add(name + ": scans", sensor.scans);
+    status.add(name + ": sightings", sensor.sightings);
+    if (sensor.last_sighting != core::Time{}) {
+      status.addf(name + ": age of last sighting [s]", "%.3f", core::seconds(now - sensor.last_sighting));
+    }
+    sensor.scans_before = sensor.scans;
+  }
+  status.add("scans waiting for a transform", waiting);
+  for (auto& [reason, counted] : drops_) {
+    status.add(reason, counted.count);
+    counted.count_before = counted.count;
+  }
+  last_diagnosis_ = now;
+}
+
+void LocalTrackerHealth::summarize(core::Time now,
+                                   diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  core::Time newest{};
+  for (const auto& named : sensors_) newest = std::max(newest, named.second.last_scan);
+  std::ostringstream line;
+  line << tracks_[sightline::Track::CONFIRMED] << " confirmed";
+  if (newest == core::Time{}) {
+    status.summary(DiagnosticStatus::WARN, "no scan yet");
+  } else if (core::seconds(now - newest) > silence_) {
+    line << ", no scan for " << core::seconds(now - newest) << " s";
+    status.summary(DiagnosticStatus::WARN, line.str());
+  } else {
+    status.summary(DiagnosticStatus::OK, line.str());
+  }
+  const std::string drops = latestDrops();
+  if (!drops.empty()) status.mergeSummary(DiagnosticStatus::WARN, drops);
+}
+
+std::string LocalTrackerHealth::latestDrops() const {
+  std::ostringstream line;
+  for (const auto& [reason, counted] : drops_) {
+    if (counted.count == counted.count_before) continue;
+    line << (line.tellp() > 0 ? ", " : "") << reason << ": " << counted.count - counted.count_before
+         << " new";
+  }
+  return line.str();
+}
+
+}  // namespace sightline_ros

@@ -1,0 +1,165 @@
+#include "sightline/ros/local_tracker_component.h"
+
+#include <boost/make_shared.hpp>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sightline/ros/conversions.h"
+#include "sightline/ros/local_tracker_health.h"
+
+namespace {
+
+namespace core = sightline::core;
+using sightline_ros::LocalTrackerComponent;
+using sightline_ros::LocalTrackerHealth;
+using sightline_ros::ParamReader;
+using sightline_ros::toCore;
+using sightline_ros::TrackerReport;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+core::Time at(double seconds) {
+  return core::Time(core::durationOf(seconds));
+}
+
+sightline::SightingArray::Ptr scanAt(double stamp, const std::vector<double>& azimuths,
+                                     const std::string& sensor = "eye") {
+  auto scan = boost::make_shared<sightline::SightingArray>();
+  scan->header.stamp = ros::Time(stamp);
+  scan->header.frame_id = "platform_enu";
+  scan->sensor = sensor;
+  scan->ifov = scan->detection_probability = scan->clutter_density = kNaN;
+  for (double azimuth : azimuths) {
+    sightline::Sighting sighting;
+    sighting.azimuth = azimuth;
+    sighting.covariance = {1e-6, 0.0, 0.0, 1e-6};
+    sighting.snr = kNaN;
+    scan->sightings.push_back(sighting);
+  }
+  return scan;
+}
+
+class Component : public testing::Test {
+ protected:
+  TrackerReport report(const sightline::SightingArray::Ptr& scan) {
+    const auto reports = component_.onScan(scan, toCore(scan->header.stamp));
+    EXPECT_EQ(reports.size(), 1u);
+    return reports.at(0);
+  }
+
+  tf2::BufferCore transforms_;
+  ParamReader reader_{XmlRpc::XmlRpcValue(), "/test"};
+  LocalTrackerComponent component_{reader_, "my_tracker", transforms_};
+};
+
+TEST_F(Component, SightingsOfATargetBecomeAConfirmedTrack) {
+  TrackerReport last;
+  for (int i = 0; i < 10; ++i) last = report(scanAt(10.0 + 0.03 * i, {0.5 + 0.003 * i}));
+  ASSERT_TRUE(last.tracks);
+  EXPECT_EQ(last.tracks->tracker, "my_tracker");
+  EXPECT_EQ(last.tracks->estimator, component_.estimator());
+  EXPECT_EQ(last.tracks->header.frame_id, "platform_enu");
+  EXPECT_EQ(last.tracks->header.stamp, ros::Time(10.27));
+  ASSERT_EQ(last.tracks->tracks.size(), 1u);
+  const auto& track = last.tracks->tracks[0];
+  EXPECT_EQ(track.status, sightline::Track::CONFIRMED);
+  EXPECT_NEAR(track.azimuth, 0.527, 1e-3);
+  EXPECT_EQ(track.sources, std::vector<std::string>{"eye"});
+  EXPECT_EQ(track.last_sighting, ros::Time(10.27));
+}
+
+TEST_F(Component, EverySightingHasItsAssociationAndBadOnesTheirReason) {
+  for (int i = 0; i < 5; ++i) report(scanAt(10.0 + 0.03 * i, {0.5}));
+  const auto last = report(scanAt(10.15, {0.5, kNaN, 100.0}));
+  ASSERT_EQ(last.associations->associations.size(), 3u);
+  EXPECT_EQ(last.associations->sensor, "eye");
+  EXPECT_EQ(last.associations->associations[0].decision, sightline::Association::ACCEPTED);
+  EXPECT_EQ(last.associations->associations[1].decision, sightline::Association::REJECTED_INPUT);
+  EXPECT_NE(last.associations->associations[1].reason.find("not finite"), std::string::npos);
+  EXPECT_NE(last.associations->associations[2].reason.find("degrees"), std::string::npos);
+  EXPECT_EQ(last.rejected, 2u);
+  EXPECT_EQ(last.drop_reason, "");
+}
+
+TEST_F(Component, DuplicateAndLateScansAreDroppedWithTheirReason) {
+  report(scanAt(10.0, {0.5}));
+  report(scanAt(12.0, {0.5}));
+  const auto duplicate = report(scanAt(12.0, {0.5}));
+  EXPECT_EQ(duplicate.drop_reason, "duplicate");
+  EXPECT_FALSE(duplicate.tracks);
+  ASSERT_EQ(duplicate.associations->associations.size(), 1u);
+  EXPECT_EQ(duplicate.associations->associations[0].decision, sightline::Association::REJECTED_INPUT);
+  EXPECT_EQ(duplicate.associations->associations[0].reason, duplicate.drop_detail);
+  const auto late = report(scanAt(12.0 - component_.maxLag() - 0.1, {0.5}));
+  EXPECT_EQ(late.drop_reason, "late");
+}
+
+TEST_F(Component, ScanWithoutTransformIsReportedOnceItIsGivenUp) {
+  auto scan = scanAt(10.0, {0.5, 0.6});
+  scan->header.frame_id = "nowhere";
+  EXPECT_TRUE(component_.onScan(scan, at(10.0)).empty());
+  EXPECT_EQ(component_.waiting(), 1u);
+  const auto reports = component_.onTransforms(at(10.0 + component_.tfTimeout()));
+  ASSERT_EQ(reports.size(), 1u);
+  EXPECT_EQ(reports[0].drop_reason, "no transform");
+  EXPECT_EQ(reports[0].associations->associations.size(), 2u);
+}
+
+std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& key) {
+  for (const auto& value : status.values) {
+    if (value.key == key) return value.value;
+  }
+  return "(absent)";
+}
+
+TEST_F(Component, HealthShowsRatesDropsAgesAndTracks) {
+  LocalTrackerHealth health(2.0);
+  diagnostic_updater::DiagnosticStatusWrapper before;
+  health.diagnose(at(10.0), 0, before);
+  EXPECT_EQ(before.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_EQ(before.message, "no scan yet");
+
+  for (int i = 0; i < 20; ++i) health.note(report(scanAt(10.0 + 0.05 * i, {0.5})));
+  health.note(report(scanAt(10.95, {0.5})));        // duplicate
+  health.note(report(scanAt(10.96, {0.5, kNaN})));  // one bad sighting
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(at(11.0), 3, status);
+  EXPECT_EQ(valueOf(status, "eye: scan rate [Hz]"), "21.0");
+  EXPECT_EQ(valueOf(status, "eye: sightings"), "21");
+  EXPECT_EQ(valueOf(status, "eye: age of last sighting [s]"), "0.040");
+  EXPECT_EQ(valueOf(status, "tracks confirmed"), "1");
+  EXPECT_EQ(valueOf(status, "scans waiting for a transform"), "3");
+  EXPECT_EQ(valueOf(status, "scans dropped, duplicate"), "1");
+  EXPECT_EQ(valueOf(status, "sightings rejected"), "1");
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN)
+      << "something was dropped since the last time";
+
+  diagnostic_updater::DiagnosticStatusWrapper calm;
+  health.diagnose(at(12.0), 0, calm);
+  EXPECT_EQ(calm.level, diagnostic_msgs::DiagnosticStatus::OK);
+  diagnostic_updater::DiagnosticStatusWrapper silent;
+  health.diagnose(at(14.0), 0, silent);
+  EXPECT_EQ(silent.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(silent.message.find("no scan for"), std::string::npos);
+}
+
+TEST_F(Component, WarningsOfOneKindComeAtMostEveryFiveSeconds) {
+  LocalTrackerHealth health(2.0);
+  report(scanAt(10.0, {0.5}));
+  const auto duplicate = report(scanAt(10.0, {0.5}));
+  health.note(duplicate);
+  EXPECT_TRUE(health.warningAbout(duplicate, at(100.0)));
+  health.note(duplicate);
+  EXPECT_FALSE(health.warningAbout(duplicate, at(104.9)));
+  health.note(duplicate);
+  const auto warning = health.warningAbout(duplicate, at(105.1));
+  ASSERT_TRUE(warning);
+  EXPECT_NE(warning->find("2 new, 3 in all"), std::string::npos) << *warning;
+  EXPECT_FALSE(health.warningAbout(report(scanAt(10.1, {0.5})), at(200.0))) << "nothing to complain of";
+}
+
+}  // namespace
