@@ -23,5 +23,7 @@ class NodeletOf : public nodelet::Nodelet {
 };
 
 // Each class as `using XxxNodelet = NodeletOf<XxxNode>;` here and in nodelets.xml, exported below.
+using TrackDisplayNodelet = NodeletOf<TrackDisplayNode>;
 
 }  // namespace sightline_ros
+PLUGINLIB_EXPORT_CLASS(sightline_ros::TrackDisplayNodelet, nodelet::Nodelet)

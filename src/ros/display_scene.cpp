@@ -1,0 +1,335 @@
+#include "sightline/ros/display_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "sightline/ros/conversions.h"
+
+namespace sightline_ros {
+namespace {
+
+namespace core = sightline::core;
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr double kGateOpacity = 0.05;
+constexpr double kLabelDistance = 11.0 * kDegree;  // from the rim of the ellipse
+constexpr double kOutlineStep = 4.0 * kDegree;
+constexpr std::size_t kMaxSensors = 64;  // with another name than these nothing is kept
+constexpr const char* kMagnifierChannel = "magnifier";
+
+Directions trailOf(const std::deque<core::TruthSample>& path) {
+  Directions line;
+  line.reserve(path.size());
+  for (const core::TruthSample& sample : path) line.push_back(core::directionOf(sample.motion.head<2>()));
+  return line;
+}
+
+/// The tracker's track nearest to a direction; nullptr when it has none.
+const sightline::Track* nearestTo(const Eigen::Vector2d& angles, const TrackMemory& tracker) {
+  const sightline::Track* nearest = nullptr;
+  double distance = std::numeric_limits<double>::infinity();
+  for (const sightline::Track& track : tracker.newest().tracks) {
+    const double arc =
+        core::angleBetween(core::directionOf(angles), core::directionOf({track.azimuth, track.elevation}));
+    if (arc < distance) nearest = &track, distance = arc;
+  }
+  return nearest;
+}
+
+double sigmaOf(const sightline::Track& track) {
+  const core::AngularState state = toCore(track).state;
+  return std::max(semiAxes(tangentCovariance(state.angles(), state.anglesCovariance())).x(), 1e-9);
+}
+
+/// Unit tangent vector beside the motion, where neither trail nor prediction is: on the side of the frame's x
+/// axis, where the shipped views look. Below a target that stands still.
+Eigen::Vector2d sideOf(const core::AngularState& state) {
+  const Eigen::Vector2d motion(std::cos(state.angles().y()) * state.rates().x(), state.rates().y());
+  if (motion.norm() < 1e-6) return {0.0, -1.0};
+  const Eigen::Vector2d side = Eigen::Vector2d(-motion.y(), motion.x()).normalized();
+  return side.dot(tangentTo(state.angles(), Eigen::Vector3d::UnitX())) >= 0.0 ? side : Eigen::Vector2d(-side);
+}
+
+bool isAnythingIn(const MarkerArray& array) {
+  return std::any_of(array.markers.begin(), array.markers.end(),
+                     [](const Marker& marker) { return marker.action == Marker::ADD; });
+}
+
+bool isBelieved(const sightline::Track& track) {
+  return track.status != sightline::Track::TENTATIVE;
+}
+
+}  // namespace
+
+DisplayScene::DisplayScene(const DisplayParams& params, const SensorColours& colours)
+    : params_(params), colours_(colours), truth_(params.history) {}
+
+void DisplayScene::addScan(const core::Scan& scan, double now) {
+  restartWhenBack(now);
+  if (sensors_.size() >= kMaxSensors && sensors_.count(scan.sensor) == 0) return;
+  sensors_[scan.sensor].add(scan, now);
+}
+
+void DisplayScene::addTracks(const std::string& channel, const sightline::TrackArray& tracks, double now) {
+  restartWhenBack(now);
+  trackers_.try_emplace(channel, params_.history).first->second.add(tracks, now);
+}
+
+void DisplayScene::addAssociations(const std::string& channel, const sightline::AssociationArray& decisions) {
+  trackers_.try_emplace(channel, params_.history).first->second.add(decisions);
+}
+
+void DisplayScene::addTruth(const sightline::TrackArray& truth, double now) {
+  restartWhenBack(now);
+  truth_.add(truth, now);
+}
+
+void DisplayScene::restartWhenBack(double now) {
+  if (now < newest_) {
+    sensors_.clear();
+    trackers_.clear();
+    truth_.clear();
+  }
+  newest_ = now;
+}
+
+bool DisplayScene::isHeard(const TrackMemory& memory, double now) const {
+  return !memory.newest().tracks.empty() && now - memory.arrival() <= params_.silence;
+}
+
+std::map<std::string, MarkerArray> DisplayScene::draw(double now) {
+  restartWhenBack(now);
+  Sheets sheets;
+  for (auto& [sensor, sightings] : sensors_) {
+    sightings.forgetBefore(now - params_.sighting_time);
+    drawSightings(sheets[sensor], sensor, now);
+  }
+  for (auto& [channel, tracker] : trackers_) {
+    if (!isHeard(tracker, now)) tracker.clear();
+    if (channel == kMainChannel) {
+      drawMainTracks(sheets[channel], now);
+    } else {
+      drawLocalTracks(sheets[channel], channel);
+    }
+  }
+  if (!isHeard(truth_, now)) truth_.clear();
+  drawTruth(sheets[kTruthChannel]);
+  drawMagnified(sheets[kMagnifierChannel], now);
+  dropWhatStaysEmpty(sheets);
+  return sheets;
+}
+
+void DisplayScene::dropWhatStaysEmpty(Sheets& sheets) {
+  std::set<std::string> full;
+  for (auto sheet = sheets.begin(); sheet != sheets.end();) {
+    const bool is_full = isAnythingIn(sheet->second);
+    if (is_full) full.insert(sheet->first);
+    sheet = is_full || full_.count(sheet->first) > 0 ? std::next(sheet) : sheets.erase(sheet);
+  }
+  full_ = std::move(full);
+}
+
+Colour DisplayScene::colourOf(const std::string& sensor, const SightingMemory::Seen& seen, double now) const {
+  const double freshness = std::clamp(1.0 - (now - seen.arrival) / params_.sighting_time, 0.0, 1.0);
+  return withAlpha(colours_.of(sensor), 0.1 + 0.8 * freshness);
+}
+
+void DisplayScene::drawSightings(MarkerArray& array, const std::string& sensor, double now) const {
+  Marker dots = dotSheet(params_.canvas, "sightings", 0.9 * kDegree);
+  for (const SightingMemory::Seen& seen : sensors_.at(sensor).seen()) {
+    drawDot(dots, params_.canvas, seen.direction, colourOf(sensor, seen, now));
+  }
+  array.markers.push_back(finished(std::move(dots)));
+}
+
+void DisplayScene::drawLocalTracks(MarkerArray& array, const std::string& channel) const {
+  const TrackMemory& tracker = trackers_.at(channel);
+  const Colour colour = colours_.of(channel);
+  Marker dots = dotSheet(params_.canvas, "tracks", 0.9 * kDegree);
+  Marker ellipses = lineSheet(params_.canvas, "2-sigma ellipses", 0.2 * kDegree);
+  for (const sightline::Track& track : tracker.newest().tracks) {
+    const core::AngularState state = toCore(track).state;
+    drawDot(dots, params_.canvas, core::directionOf(state.angles()),
+            withAlpha(colour, isBelieved(track) ? 1.0 : 0.4));
+    if (!isBelieved(track)) continue;
+    drawUncertainty(ellipses, params_.canvas, state, dimmed(colour, 0.8));
+  }
+  for (Marker* sheet : {&dots, &ellipses}) array.markers.push_back(finished(std::move(*sheet)));
+  drawGates(array, tracker);
+}
+
+void DisplayScene::drawGates(MarkerArray& array, const TrackMemory& tracker) const {
+  static const std::array<std::pair<GateOutcome, const char*>, 4> kOutcomes = {
+      {{GateOutcome::accepted, "gates: accepted (green)"},
+       {GateOutcome::nothing_seen, "gates: nothing seen (grey)"},
+       {GateOutcome::claimed_by_other, "gates: claimed by other (red)"},
+       {GateOutcome::tentative, "gates: tentative (yellow)"}}};
+  for (const auto& [outcome, name] : kOutcomes) {
+    Marker patches = patchSheet(params_.canvas, name);
+    Marker rims = lineSheet(params_.canvas, name, 0.1 * kDegree);
+    rims.id = 1;
+    for (const sightline::Track& track : tracker.newest().tracks) {
+      if (outcomeOf(track, tracker.wasClaimed(track.id)) != outcome) continue;
+      const auto rectangle = rectangleOf(track.gate);
+      if (!rectangle) continue;
+      const Colour colour = sightline_ros::colourOf(outcome);
+      drawPatch(patches, params_.canvas, *rectangle, withAlpha(colour, kGateOpacity));
+      drawLine(rims, params_.canvas, rectangleOutline(*rectangle, kOutlineStep), dimmed(colour, 0.5));
+    }
+    array.markers.push_back(finished(std::move(patches)));
+    array.markers.push_back(finished(std::move(rims)));
+  }
+}
+
+void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
+  const Canvas& canvas = params_.canvas;
+  const TrackMemory& tracker = trackers_.at(kMainChannel);
+  Marker dots = dotSheet(canvas, "tracks", 1.1 * kDegree);
+  Marker ellipses = lineSheet(canvas, "2-sigma ellipses", 0.3 * kDegree);
+  Marker trails = lineSheet(canvas, "histories", 0.4 * kDegree);
+  Marker predictions = lineSheet(canvas, "predictions", 0.15 * kDegree);
+  Marker sources = lineSheet(canvas, "sources", 0.2 * kDegree);
+  for (const sightline::Track& track : tracker.newest().tracks) {
+    const core::AngularState state = toCore(track).state;
+    const Colour colour = dimmed(mainColour(), track.status == sightline::Track::CONFIRMED ? 1.0 : 0.5);
+    drawDot(dots, canvas, core::directionOf(state.angles()), colour);
+    if (!isBelieved(track)) continue;
+    drawUncertainty(ellipses, canvas, state, colour);
+    drawFadingLine(trails, canvas, trailOf(tracker.pathOf(track.id)), dimmed(colour, 0.8));
+    drawPrediction(predictions, canvas, state, params_.prediction, dimmed(colour, 0.8));
+    drawSources(sources, track, now);
+    array.markers.push_back(labelMarker(track));
+  }
+  for (Marker* sheet : {&dots, &ellipses, &trails, &predictions, &sources}) {
+    array.markers.push_back(finished(std::move(*sheet)));
+  }
+  drawGates(array, tracker);
+}
+
+Marker DisplayScene::labelMarker(const sightline::Track& track) const {
+  const core::AngularState state = toCore(track).state;
+  const double distance = std::min(2.0 * sigmaOf(track), 0.3) + kLabelDistance;
+  return textMarker(params_.canvas, "labels", static_cast<int>(track.id),
+                    walk(state.angles(), distance * sideOf(state)), labelOf(track) + errorText(track),
+                    2.5 * kDegree, mainColour());
+}
+
+void DisplayScene::drawSources(Marker& lines, const sightline::Track& track, double now) const {
+  const Eigen::Vector2d angles(track.azimuth, track.elevation);
+  for (const std::string& source : track.sources) {
+    const auto direction = directionOfSource(source, angles, now);
+    if (!direction) continue;
+    drawLine(lines, params_.canvas, {core::directionOf(angles), *direction}, colours_.of(source));
+  }
+}
+
+std::optional<Eigen::Vector3d> DisplayScene::directionOfSource(const std::string& source,
+                                                               const Eigen::Vector2d& near,
+                                                               double now) const {
+  const auto tracker = trackers_.find(source);
+  if (tracker != trackers_.end() && isHeard(tracker->second, now)) {
+    const sightline::Track* track = nearestTo(near, tracker->second);
+    return core::directionOf({track->azimuth, track->elevation});
+  }
+  const auto sensor = sensors_.find(source);
+  if (sensor == sensors_.end() || sensor->second.seen().empty()) return std::nullopt;
+  return sensor->second.seen().back().direction;
+}
+
+std::string DisplayScene::errorText(const sightline::Track& track) const {
+  const TrackMemory& tracker = trackers_.at(kMainChannel);
+  const core::Time common = toCore(std::min(tracker.newest().header.stamp, truth_.newest().header.stamp));
+  const auto estimated = tracker.anglesAt(track.id, common);
+  if (!estimated) return "";
+  double error = std::numeric_limits<double>::infinity();
+  for (const sightline::Track& target : truth_.newest().tracks) {
+    const auto truth = truth_.anglesAt(target.id, common);
+    if (!truth) continue;
+    error = std::min(error, core::angleBetween(core::directionOf(*estimated), core::directionOf(*truth)));
+  }
+  return std::isfinite(error) ? "\nerror " + readableAngle(error) : "";
+}
+
+void DisplayScene::drawTruth(MarkerArray& array) const {
+  Marker paths = lineSheet(params_.canvas, "paths", 0.12 * kDegree);
+  Marker targets = lineSheet(params_.canvas, "targets", 0.2 * kDegree);
+  for (const sightline::Track& target : truth_.newest().tracks) {
+    drawFadingLine(paths, params_.canvas, trailOf(truth_.pathOf(target.id)), truthColour());
+    drawCross(targets, params_.canvas, {target.azimuth, target.elevation}, 4.0 * kDegree, truthColour());
+  }
+  for (Marker* sheet : {&paths, &targets}) array.markers.push_back(finished(std::move(*sheet)));
+}
+
+const sightline::Track* DisplayScene::trackToMagnify() const {
+  const auto main = trackers_.find(kMainChannel);
+  if (main == trackers_.end()) return nullptr;
+  const auto& tracks = main->second.newest().tracks;
+  const auto track = std::find_if(tracks.begin(), tracks.end(), isBelieved);
+  return track != tracks.end() ? &*track : nullptr;
+}
+
+void DisplayScene::drawMagnified(MarkerArray& array, double now) {
+  Marker rim = lineSheet(params_.canvas, "rim", 0.15 * kDegree);
+  Marker dots = dotSheet(params_.canvas, "sightings and tracks", 0.7 * kDegree);
+  Marker lines = lineSheet(params_.canvas, "2-sigma ellipses and truth", 0.2 * kDegree);
+  const sightline::Track* track = trackToMagnify();
+  const double two_sigma = track ? 2.0 * sigmaOf(*track) : 0.0;
+  if (track && Magnifier::isNeededFor(two_sigma)) {
+    magnification_ = Magnifier::factorFor(two_sigma, magnification_);
+    const core::AngularState state = toCore(*track).state;
+    const Magnifier magnifier(state.angles(), sideOf(state), magnification_);
+    magnifier.drawRim(rim, params_.canvas, dimmed(mainColour(), 0.7));
+    array.markers.push_back(magnifier.label(params_.canvas, mainColour()));
+    magnifySightings(dots, magnifier, track->id, now);
+    magnifyTracks(lines, magnifier, *track);
+  } else {
+    magnification_ = 0.0;
+  }
+  for (Marker* sheet : {&rim, &dots, &lines}) array.markers.push_back(finished(std::move(*sheet)));
+}
+
+void DisplayScene::magnifySightings(Marker& dots, const Magnifier& magnifier, std::uint32_t track,
+                                    double now) const {
+  const TrackMemory& main = trackers_.at(kMainChannel);
+  for (const auto& [sensor, memory] : sensors_) {
+    for (const SightingMemory::Seen& seen : memory.seen()) {
+      const auto then = main.anglesAt(track, seen.time);
+      if (!then) continue;
+      const Eigen::Vector2d place = magnifier.place(seen.direction, *then);
+      if (!magnifier.shows(place)) continue;
+      drawDot(dots, params_.canvas, core::directionOf(place), colourOf(sensor, seen, now));
+    }
+  }
+}
+
+void DisplayScene::magnifyTracks(Marker& lines, const Magnifier& magnifier,
+                                 const sightline::Track& track) const {
+  const TrackMemory& main = trackers_.at(kMainChannel);
+  const auto ellipse = [&](const sightline::Track& shown, const Eigen::Vector2d& then, const Colour& colour) {
+    const core::AngularState state = toCore(shown).state;
+    const Eigen::Vector2d place = magnifier.place(core::directionOf(state.angles()), then);
+    if (!magnifier.shows(place)) return;
+    magnifier.drawEllipse(lines, params_.canvas, place,
+                          magnifier.magnified(state.angles(), state.anglesCovariance()), colour);
+  };
+  ellipse(track, {track.azimuth, track.elevation}, mainColour());
+  for (const auto& [channel, tracker] : trackers_) {
+    const auto then = main.anglesAt(track.id, toCore(tracker.newest().header.stamp));
+    if (channel == kMainChannel || !then) continue;
+    for (const sightline::Track& local : tracker.newest().tracks) {
+      if (isBelieved(local)) ellipse(local, *then, dimmed(colours_.of(channel), 0.8));
+    }
+  }
+  const core::Time common = toCore(std::min(main.newest().header.stamp, truth_.newest().header.stamp));
+  const auto then = main.anglesAt(track.id, common);
+  for (const sightline::Track& target : truth_.newest().tracks) {
+    const auto truth = truth_.anglesAt(target.id, common);
+    if (!then || !truth) continue;
+    const Eigen::Vector2d place = magnifier.place(core::directionOf(*truth), *then);
+    if (magnifier.shows(place)) drawCross(lines, params_.canvas, place, 1.5 * kDegree, truthColour());
+  }
+}
+
+}  // namespace sightline_ros
