@@ -1,5 +1,7 @@
 #include "sightline/core/estimator.h"
 
+#include <Eigen/LU>
+
 namespace sightline::core {
 
 AngularState firstState(const Measurement& measurement, double rate_sigma) {
@@ -7,6 +9,18 @@ AngularState firstState(const Measurement& measurement, double rate_sigma) {
   state.mean << measurement.position, Eigen::Vector2d::Zero();
   state.covariance.topLeftCorner<2, 2>() = measurement.covariance;
   state.covariance.bottomRightCorner<2, 2>().diagonal().setConstant(rate_sigma * rate_sigma);
+  return state;
+}
+
+AngularState withRatePrior(AngularState state, double rate_sigma) {
+  const double prior = rate_sigma * rate_sigma;
+  if (!(state.covariance.diagonal().tail<2>().maxCoeff() > prior)) return state;
+  const Eigen::Matrix2d S = state.covariance.bottomRightCorner<2, 2>() + prior * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix<double, 4, 2> K = state.covariance.rightCols<2>() * S.inverse();  // S >= prior * I
+  state.mean -= K * Eigen::Vector2d(state.rates());
+  Eigen::Matrix4d J = Eigen::Matrix4d::Identity();
+  J.rightCols<2>() -= K;
+  state.covariance = symmetric(J * state.covariance * J.transpose() + prior * K * K.transpose());
   return state;
 }
 

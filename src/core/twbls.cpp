@@ -5,8 +5,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include <Eigen/LU>
-
 namespace sightline::core {
 namespace {
 
@@ -176,20 +174,8 @@ AngularState TwblsEstimator::lineState() const {
     state.covariance = scale.asDiagonal() * state.covariance * scale.asDiagonal();
   }
 
-  // While the sightings are too few or too close to tell the rates better than the prior does, the prior
-  // helps.
-  const double prior = params_.initial_rate_sigma * params_.initial_rate_sigma;
-  if (state.covariance.diagonal().tail<2>().maxCoeff() > prior) {
-    const Eigen::Matrix2d S =
-        state.covariance.bottomRightCorner<2, 2>() + prior * Eigen::Matrix2d::Identity();
-    const Eigen::Matrix<double, 4, 2> K = state.covariance.rightCols<2>() * S.inverse();  // S >= prior * I
-    state.mean -= K * state.rates();
-    Eigen::Matrix4d J = Eigen::Matrix4d::Identity();
-    J.rightCols<2>() -= K;
-    state.covariance = J * state.covariance * J.transpose() + prior * K * K.transpose();
-  }
   state.covariance = symmetric(state.covariance);
-  return state;
+  return withRatePrior(state, params_.initial_rate_sigma);
 }
 
 /// All sightings at one instant: their weighted mean, and nothing known of the rates.

@@ -48,4 +48,9 @@ class Estimator {
 /// `rate_sigma`: standard deviation of each rate before anything is known [rad/s].
 AngularState firstState(const Measurement& measurement, double rate_sigma);
 
+/// The state with the prior of its rates taken in, zero with standard deviation `rate_sigma` [rad/s], as long
+/// as the sightings are too few or too close in time to tell the rates better than that; afterwards the state
+/// itself.
+AngularState withRatePrior(AngularState state, double rate_sigma);
+
 }  // namespace sightline::core

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sightline/core/estimator.h"
+#include "sightline/core/harmonic_motion.h"
+#include "sightline/core/mode_chain.h"
+#include "sightline/core/sighting_noise.h"
+
+namespace sightline::core {
+
+/// How a target may answer: one model of the bank. Quantities that have the angle in them are for an
+/// amplitude of 1 rad.
+struct ResponseModel {
+  enum class Kind { straight, harmonic, fixed_harmonic };
+  Kind kind = Kind::straight;
+  double q = 1.0;  ///< density of white acceleration [rad^2/s^3] (straight) or white jerk [rad^2/s^5], >= 0
+  double q_kappa = 0.0;  ///< density of the drift of kappa [1/s^5] (harmonic), >= 0
+  double kappa = 0.0;    ///< the known kappa [1/s^2] (fixed_harmonic)
+};
+
+struct NogaConsistentParams {
+  /// The bank of section 4.3, 1 to kMaxModes models.
+  std::vector<ResponseModel> models = {
+      {ResponseModel::Kind::straight, 1e-4, 0.0, 0.0}, {ResponseModel::Kind::straight, 0.05, 0.0, 0.0},
+      {ResponseModel::Kind::straight, 0.7, 0.0, 0.0},  {ResponseModel::Kind::harmonic, 1e-3, 1e-2, 0.0},
+      {ResponseModel::Kind::harmonic, 0.3, 1.0, 0.0},  {ResponseModel::Kind::fixed_harmonic, 1.0, 0.0, 8.0}};
+  double amplitude =
+      0.0;  ///< that 1 rad of the bank stands for [rad]; 0 = ten sigmas of the sightings: free of scale
+  double dwell = 30.0;          ///< mean time between changes of the model [s], > 0
+  double outlier_share = 0.01;  ///< of sightings that are not the target's, in [0, 1)
+  double outlier_width = 4.0;   ///< over which they lie, in amplitudes, > 0
+};
+
+/// NOGA, form `consistent` (section 4.3): the uncertainty reduction (20)-(23) run as a recursion, with the
+/// process noise and the coefficient of the auto-regression among the parameters, in a bank of interacting
+/// response models with one mode chain for azimuth and elevation.
+///
+/// With parameters a = (state, process noise), C_a = blkdiag(P, Q), S = H [F, I] and C_p = 0 the reduction
+/// followed by the propagation is the Kalman recursion; it is carried out in that form (a test holds the two
+/// equal). The channels stay apart, as cheap as two small filters, until a sighting couples them.
+class NogaConsistentEstimator final : public Estimator {
+ public:
+  /// Throws std::invalid_argument for a parameter out of range.
+  explicit NogaConsistentEstimator(const NogaConsistentParams& params);
+
+  std::unique_ptr<Estimator> clone() const override;
+  void update(const Measurement& measurement) override;
+  std::optional<AngularState> stateAt(Time time) const override;
+  void rotate(const Eigen::Matrix3d& R_new_old) override;
+
+  /// Probability of each model by the sightings so far.
+  const ModeArray& probabilities() const { return chain_.probabilities(); }
+
+ private:
+  /// One model's belief: for each channel (x, v, a, kappa), and the covariance of the azimuth's with the
+  /// elevation's.
+  struct Belief {
+    Eigen::Vector4d mean[2] = {Eigen::Vector4d::Zero(), Eigen::Vector4d::Zero()};
+    Eigen::Matrix4d covariance[2] = {Eigen::Matrix4d::Zero(), Eigen::Matrix4d::Zero()};
+    Eigen::Matrix4d cross = Eigen::Matrix4d::Zero();
+  };
+  using Beliefs = std::array<Belief, kMaxModes>;
+
+  NogaConsistentEstimator(const NogaConsistentEstimator&) = default;
+  int modes() const { return static_cast<int>(params_.models.size()); }
+  double amplitude(int channel) const;
+  void start(const Measurement& measurement);
+  Beliefs expected(double h) const;
+  Belief mixed(int mode, const ModeMatrix& mixing) const;
+  void step(Belief& belief, const ResponseModel& model, double h) const;
+  double reduce(Belief& belief, const Measurement& measurement) const;
+  double reduceChannel(Belief& belief, int channel, double position, double variance) const;
+  double reduceCoupled(Belief& belief, const Measurement& measurement) const;
+  double takenShare(double log_likelihood, double log_outlier_density, double& log_mixture) const;
+  AngularState moments(const ModeArray& weights, const Beliefs& beliefs) const;
+
+  NogaConsistentParams params_;
+  ModeChain chain_;
+  std::optional<Time> time_;  // of the last sighting
+  Beliefs beliefs_;           // then, by each model
+  SightingNoise noise_;
+  bool coupled_ = false;  // whether `cross` is kept
+};
+
+}  // namespace sightline::core

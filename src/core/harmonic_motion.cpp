@@ -1,0 +1,109 @@
+#include "sightline/core/harmonic_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sightline::core {
+namespace {
+
+constexpr double kSeriesBelow = 0.5;
+constexpr double kLeastKappa = -1.0, kLargestKappa = 40.0;  // [1/s^2]
+
+/// sum over k of (-z)^k / (2k + n)!.
+double stumpffSeries(double z, int n) {
+  double term = 1.0, sum = 0.0;
+  for (int k = 2; k <= n; ++k) term /= k;
+  for (int k = 0; k < 10; ++k) {
+    sum += term;
+    term *= -z / ((2 * k + n + 1) * (2 * k + n + 2));
+  }
+  return sum;
+}
+
+Stumpff bySeries(double z) {
+  const double c0 = stumpffSeries(z, 0), c1 = stumpffSeries(z, 1), c2 = stumpffSeries(z, 2);
+  const double c3 = stumpffSeries(z, 3), c4 = stumpffSeries(z, 4);
+  // c_n' = (n c_{n+2} - c_{n+1}) / 2, free of the division by z
+  return {c0, c1, c2, -0.5 * c1, 0.5 * (c3 - c2), 0.5 * (2.0 * c4 - c3)};
+}
+
+/// The part of (S-8) that does not concern kappa.
+Transition harmonicCore(const Eigen::Vector4d& state, double h, double q, double kappa, const Stumpff& s) {
+  Transition step;
+  step.F.setZero();
+  step.F.topLeftCorner<3, 3>() << 1.0, h * s.c1, h * h * s.c2,  //
+      0.0, s.c0, h * s.c1,                                      //
+      0.0, -kappa * h * s.c1, s.c0;
+  step.mean.head<3>() = step.F.topLeftCorner<3, 3>() * state.head<3>();
+  const double h2 = h * h, h3 = h2 * h;
+  step.Q.setZero();
+  step.Q.topLeftCorner<3, 3>() << h3 * h2 / 20.0, h2 * h2 / 8.0, h3 / 6.0,  //
+      h2 * h2 / 8.0, h3 / 3.0, h2 / 2.0,                                    //
+      h3 / 6.0, h2 / 2.0, h;
+  step.Q *= q;
+  return step;
+}
+
+}  // namespace
+
+Stumpff stumpff(double z) {
+  if (std::abs(z) < kSeriesBelow) return bySeries(z);
+  Stumpff s{};
+  if (z > 0.0) {
+    const double root = std::sqrt(z);
+    s.c0 = std::cos(root);
+    s.c1 = std::sin(root) / root;
+  } else {
+    const double root = std::sqrt(-z);
+    s.c0 = std::cosh(root);
+    s.c1 = std::sinh(root) / root;
+  }
+  s.c2 = (1.0 - s.c0) / z;
+  s.d0 = -0.5 * s.c1;
+  s.d1 = (s.c0 - s.c1) / (2.0 * z);
+  s.d2 = (s.c1 - 2.0 * s.c2) / (2.0 * z);
+  return s;
+}
+
+Transition harmonicStep(const Eigen::Vector4d& state, double h, double q, double q_kappa) {
+  const double kappa = std::clamp(state(3), kLeastKappa, kLargestKappa);
+  const double v = state(1), a = state(2), h2 = h * h, h3 = h2 * h;
+  const Stumpff s = stumpff(kappa * h2);
+  Transition step = harmonicCore(state, h, q, kappa, s);
+  step.mean(3) = kappa;
+  step.F.col(3) << h3 * s.d1 * v + h2 * h2 * s.d2 * a,        //
+      h2 * s.d0 * v + h3 * s.d1 * a,                          //
+      -h * s.c1 * v - kappa * h3 * s.d1 * v + h2 * s.d0 * a,  //
+      1.0;
+  step.Q(3, 3) = q_kappa * h;
+  return step;
+}
+
+Transition fixedHarmonicStep(const Eigen::Vector4d& state, double h, double q, double kappa,
+                             double kappa_sigma) {
+  Transition step = harmonicCore(state, h, q, kappa, stumpff(kappa * h * h));
+  step.mean(3) = kappa;
+  step.Q(3, 3) = kappa_sigma * kappa_sigma;
+  return step;
+}
+
+Transition straightStep(const Eigen::Vector4d& state, double h, double q, double acceleration_sigma,
+                        double kappa_sigma) {
+  Transition step;
+  step.F.setZero();
+  step.F.topLeftCorner<2, 2>() << 1.0, h, 0.0, 1.0;
+  step.mean = step.F * state;
+  step.Q.setZero();
+  step.Q.topLeftCorner<2, 2>() << h * h * h / 3.0, h * h / 2.0, h * h / 2.0, h;
+  step.Q *= q;
+  step.Q(2, 2) = acceleration_sigma * acceleration_sigma;
+  step.Q(3, 3) = kappa_sigma * kappa_sigma;
+  return step;
+}
+
+Eigen::Vector2d autoRegression(double kappa, double h_1, double h_2) {
+  const auto s = [kappa](double h) { return h * stumpff(kappa * h * h).c1; };
+  return {s(h_1 + h_2) / s(h_2), -s(h_1) / s(h_2)};  // (13C)
+}
+
+}  // namespace sightline::core
