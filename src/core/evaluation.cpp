@@ -160,8 +160,8 @@ void Evaluation::judge(TrackTopic& topic, const TrackReport& report) {
   topic.score.judge(report, targetsAt(report.time), matchGate(), listener_);
 }
 
-std::vector<Target> Evaluation::targetsAt(Time time) const {
-  std::vector<Target> targets;
+std::vector<TrueTarget> Evaluation::targetsAt(Time time) const {
+  std::vector<TrueTarget> targets;
   for (const auto& [id, path] : truth_) {
     if (const auto point = path.at(time)) {
       targets.push_back({id, point->state, point->age >= params_.settle_time});

@@ -35,8 +35,9 @@ double statedVariance(const Sighting& sighting, Channels channels) {
 
 /// For each target its sighting, or -1: as many as lie within the gate, with the smallest sum of squared
 /// distances.
-std::vector<int> matchSightings(const std::vector<Target>& targets, const std::vector<Sighting>& sightings,
-                                const SightingGate& gate, Channels channels) {
+std::vector<int> matchSightings(const std::vector<TrueTarget>& targets,
+                                const std::vector<Sighting>& sightings, const SightingGate& gate,
+                                Channels channels) {
   const double dimensions = channels == Channels::azimuth_only ? 1.0 : 2.0;
   Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(targets.size(), sightings.size(), kForbidden);
   for (Eigen::Index i = 0; i < cost.rows(); ++i) {
@@ -51,7 +52,7 @@ std::vector<int> matchSightings(const std::vector<Target>& targets, const std::v
 }
 
 /// Angles [rad] between targets (rows) and tracks (columns).
-Eigen::MatrixXd distances(const std::vector<Target>& targets, const std::vector<const Track*>& tracks,
+Eigen::MatrixXd distances(const std::vector<TrueTarget>& targets, const std::vector<const Track*>& tracks,
                           Channels channels) {
   Eigen::MatrixXd distance(targets.size(), tracks.size());
   for (Eigen::Index i = 0; i < distance.rows(); ++i) {
@@ -72,7 +73,7 @@ void keepPair(Eigen::MatrixXd& cost, Eigen::Index i, Eigen::Index j) {
 }
 
 /// For each target its track, or nullptr.
-std::vector<const Track*> matchTracks(const std::vector<Target>& targets,
+std::vector<const Track*> matchTracks(const std::vector<TrueTarget>& targets,
                                       const std::vector<const Track*>& tracks, const Continuity& continuity,
                                       double gate, Channels channels) {
   const Eigen::MatrixXd distance = distances(targets, tracks, channels);
@@ -89,7 +90,7 @@ std::vector<const Track*> matchTracks(const std::vector<Target>& targets,
 }
 
 /// The metric of the targets that count and the tracks, less those of targets that do not count yet.
-Gospa gospaOf(const std::vector<Target>& targets, const std::vector<const Track*>& tracks,
+Gospa gospaOf(const std::vector<TrueTarget>& targets, const std::vector<const Track*>& tracks,
               const std::vector<const Track*>& track_of, Channels channels, const GospaParams& params) {
   std::vector<Eigen::Vector3d> truths, estimates;
   std::vector<const Track*> ignored;
@@ -107,9 +108,9 @@ Gospa gospaOf(const std::vector<Target>& targets, const std::vector<const Track*
   return gospa(estimates, truths, params);
 }
 
-std::vector<std::uint32_t> idsOf(const std::vector<Target>& targets) {
+std::vector<std::uint32_t> idsOf(const std::vector<TrueTarget>& targets) {
   std::vector<std::uint32_t> ids;
-  for (const Target& target : targets) ids.push_back(target.id);
+  for (const TrueTarget& target : targets) ids.push_back(target.id);
   std::sort(ids.begin(), ids.end());
   return ids;
 }
@@ -127,7 +128,7 @@ double SightingScore::statedSigma() const {
   return std::sqrt(stated_variance_.mean());
 }
 
-void SightingScore::judge(const Scan& scan, const std::vector<Target>& targets, const SightingGate& gate,
+void SightingScore::judge(const Scan& scan, const std::vector<TrueTarget>& targets, const SightingGate& gate,
                           const JudgementListener& listener) {
   const std::vector<int> sighting_of = matchSightings(targets, scan.sightings, gate, channels_);
   const auto matched = targets.size() - std::count(sighting_of.begin(), sighting_of.end(), -1);
@@ -156,7 +157,7 @@ void TrackScore::note(const TrackReport& report) {
   angles_now_ = tracks.empty() ? Eigen::Vector2d::Constant(kUnknown) : tracks.front()->state.angles();
 }
 
-void TrackScore::judge(const TrackReport& report, const std::vector<Target>& targets, double gate,
+void TrackScore::judge(const TrackReport& report, const std::vector<TrueTarget>& targets, double gate,
                        const JudgementListener& listener) {
   const std::vector<const Track*> tracks = believedOf(report);
   const std::vector<const Track*> track_of = matchTracks(targets, tracks, continuity_, gate, channels_);
@@ -177,7 +178,7 @@ void TrackScore::judge(const TrackReport& report, const std::vector<Target>& tar
   if (listener.report) listener.report({topic_, report.time, metric});
 }
 
-double TrackScore::judgePair(const TrackReport& report, const Target& target, const Track& track,
+double TrackScore::judgePair(const TrackReport& report, const TrueTarget& target, const Track& track,
                              const JudgementListener& listener) {
   const DirectionError error = errorOf(track.state, target.state, channels_);
   errors_.add(error);

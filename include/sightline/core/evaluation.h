@@ -103,7 +103,7 @@ class Evaluation {
   void judge(TrackTopic& topic, const TrackReport& report);
 
   void forgetTruth();
-  std::vector<Target> targetsAt(Time time) const;
+  std::vector<TrueTarget> targetsAt(Time time) const;
   double matchGate() const;
 
   EvaluationParams params_;

@@ -19,7 +19,7 @@
 namespace sightline::core {
 
 /// A target at the instant that is judged.
-struct Target {
+struct TrueTarget {
   std::uint32_t id = 0;
   AngularState state;   ///< the truth, tracking frame, covariance zero
   bool settled = true;  ///< false: its errors do not count yet
@@ -76,7 +76,7 @@ class SightingScore {
   void note(const Scan& scan_tracking);
 
   /// Each target takes at most one sighting: as many as there are within the gate, the nearest together.
-  void judge(const Scan& scan_tracking, const std::vector<Target>& targets, const SightingGate& gate,
+  void judge(const Scan& scan_tracking, const std::vector<TrueTarget>& targets, const SightingGate& gate,
              const JudgementListener& listener);
 
   const std::string& topic() const { return topic_; }
@@ -109,7 +109,7 @@ class TrackScore {
 
   /// A target keeps the track it had as long as that is within `gate` [rad]; the others are assigned with the
   /// smallest sum of squared distances (K. Bernardin, R. Stiefelhagen, EURASIP JIVP 2008).
-  void judge(const TrackReport& report, const std::vector<Target>& targets, double gate,
+  void judge(const TrackReport& report, const std::vector<TrueTarget>& targets, double gate,
              const JudgementListener& listener);
 
   /// The truth begins anew: which track each target had is forgotten, what counted stays.
@@ -130,7 +130,7 @@ class TrackScore {
 
  private:
   /// Adds the error; returns its mean square over the channels [rad^2].
-  double judgePair(const TrackReport& report, const Target& target, const Track& track,
+  double judgePair(const TrackReport& report, const TrueTarget& target, const Track& track,
                    const JudgementListener& listener);
 
   std::string topic_, tracker_;

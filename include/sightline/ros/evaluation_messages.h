@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include <Eigen/Core>
+
+#include <sightline/EvaluationRow.h>
+#include <sightline/TrackArray.h>
+
+#include "sightline/core/evaluation.h"
+
+/// Messages to what an evaluation takes, and what it found to messages.
+namespace sightline_ros {
+
+/// Motions of the targets of a truth message, by id.
+std::map<std::uint32_t, Eigen::Vector4d> motionsOf(const sightline::TrackArray& truth);
+
+/// What a tracker, or a fusion, reported.
+sightline::core::TrackReport reportOf(const sightline::TrackArray& tracks);
+
+/// Whether the tracks are made of tracks: their `estimator` is then none of ours but a rule.
+bool isFused(const sightline::TrackArray& tracks);
+
+sightline::EvaluationRow toMessage(const sightline::core::EvaluationRow& row);
+
+}  // namespace sightline_ros

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sightline/core/evaluation.h"
+
+/// What an evaluation found, for people to read. Plain ASCII.
+namespace sightline_ros {
+
+/// Rows of cells as lines of text with aligned columns: the first column to the left, the others to the
+/// right. A row of one cell is a heading over all columns.
+std::string alignedTable(const std::vector<std::vector<std::string>>& rows);
+
+/// A number with `digits` significant digits, "-" for NaN.
+std::string readable(double value, int digits = 4);
+
+struct EvaluationTableStyle {
+  bool bands = false;  ///< the 95 % band of each ANEES beside it
+  bool gospa = false;  ///< a second table with GOSPA and its parts
+};
+
+/// The table of the evaluator, with a line for each topic that was heard, and notes below it.
+/// `best_sigma`: stated sigma of the best sensor [rad], NaN = not known.
+std::string evaluationTable(const std::vector<sightline::core::EvaluationRow>& rows, double best_sigma,
+                            const EvaluationTableStyle& style = {});
+
+/// A block of lines, one for each tracker that was heard: how many tracks, where the first one is, and its
+/// error now. `elapsed`: since the first message [s].
+std::string liveSummary(const std::vector<sightline::core::EvaluationRow>& rows, double best_sigma,
+                        double elapsed);
+
+}  // namespace sightline_ros

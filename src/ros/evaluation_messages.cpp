@@ -1,0 +1,52 @@
+#include "sightline/ros/evaluation_messages.h"
+
+#include <algorithm>
+#include <array>
+
+#include "sightline/ros/conversions.h"
+
+namespace sightline_ros {
+
+namespace core = sightline::core;
+
+std::map<std::uint32_t, Eigen::Vector4d> motionsOf(const sightline::TrackArray& truth) {
+  std::map<std::uint32_t, Eigen::Vector4d> motions;
+  for (const sightline::Track& target : truth.tracks) {
+    motions[target.id] = {target.azimuth, target.elevation, target.azimuth_rate, target.elevation_rate};
+  }
+  return motions;
+}
+
+core::TrackReport reportOf(const sightline::TrackArray& tracks) {
+  core::TrackReport report;
+  report.time = toCore(tracks.header.stamp);
+  report.tracker = tracks.tracker;
+  report.fused = isFused(tracks);
+  report.tracks.reserve(tracks.tracks.size());
+  for (const sightline::Track& track : tracks.tracks) report.tracks.push_back(toCore(track));
+  return report;
+}
+
+bool isFused(const sightline::TrackArray& tracks) {
+  static const std::array<const char*, 4> estimators = {"twbls", "noga", "kalman", "imm"};
+  return std::find(estimators.begin(), estimators.end(), tracks.estimator) == estimators.end();
+}
+
+sightline::EvaluationRow toMessage(const core::EvaluationRow& row) {
+  sightline::EvaluationRow message;
+  message.topic = row.topic;
+  message.name = row.name;
+  message.samples = row.samples;
+  message.rmse = row.rmse;
+  message.relative_rmse = row.relative_rmse;
+  message.rate_rmse = row.rate_rmse;
+  message.anees_position = row.anees_position;
+  message.anees_state = row.anees_state;
+  message.coverage = row.coverage;
+  message.breaks = row.breaks;
+  message.id_switches = row.id_switches;
+  message.unmatched = row.unmatched;
+  return message;
+}
+
+}  // namespace sightline_ros
