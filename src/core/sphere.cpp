@@ -77,27 +77,40 @@ Eigen::Matrix<double, 3, 2> directionJacobianRate(const Eigen::Vector2d& angles,
   return daz * rates.x() + del * rates.y();
 }
 
-}  // namespace
+/// A motion seen from a turned frame, and how its errors turn.
+struct TurnedMotion {
+  Eigen::Vector4d mean;
+  Eigen::Matrix4d jacobian;
+};
 
-AngularState rotateState(const AngularState& state, const Eigen::Matrix3d& R_to_from) {
-  const Eigen::Vector2d from = state.angles();
+TurnedMotion turn(const Eigen::Vector4d& mean, const Eigen::Matrix3d& R_to_from) {
+  const Eigen::Vector2d from = mean.head<2>(), rates = mean.tail<2>();
   const Eigen::Vector2d to = rotateAngles(from, R_to_from);
   const Eigen::Matrix2d J = rotationJacobian(from, R_to_from);
-  const Eigen::Vector2d rates_to = J * state.rates();
+  const Eigen::Vector2d rates_to = J * rates;
 
   // With D = d direction / d angles, D_to J = R D_from holds along the motion, so that
   // dJ/dt = A_to (R dD_from/dt - dD_to/dt J); as partial derivatives commute, d rates_to / d angles = dJ/dt.
   const Eigen::Matrix2d J_rate =
       anglesJacobian(directionOf(to)) *
-      (R_to_from * directionJacobianRate(from, state.rates()) - directionJacobianRate(to, rates_to) * J);
-  Eigen::Matrix4d jacobian = Eigen::Matrix4d::Zero();
-  jacobian.topLeftCorner<2, 2>() = J;
-  jacobian.bottomRightCorner<2, 2>() = J;
-  jacobian.bottomLeftCorner<2, 2>() = J_rate;
+      (R_to_from * directionJacobianRate(from, rates) - directionJacobianRate(to, rates_to) * J);
+  TurnedMotion turned;
+  turned.mean << to, rates_to;
+  turned.jacobian << J, Eigen::Matrix2d::Zero(), J_rate, J;
+  return turned;
+}
 
+}  // namespace
+
+Eigen::Matrix4d rotateStateJacobian(const Eigen::Vector4d& mean, const Eigen::Matrix3d& R_to_from) {
+  return turn(mean, R_to_from).jacobian;
+}
+
+AngularState rotateState(const AngularState& state, const Eigen::Matrix3d& R_to_from) {
+  const TurnedMotion turned = turn(state.mean, R_to_from);
   AngularState result;
-  result.mean << to, rates_to;
-  result.covariance = symmetric(jacobian * state.covariance * jacobian.transpose());
+  result.mean = turned.mean;
+  result.covariance = symmetric(turned.jacobian * state.covariance * turned.jacobian.transpose());
   return result;
 }
 

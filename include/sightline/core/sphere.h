@@ -52,6 +52,9 @@ struct AngularState {
 /// which includes the curvature of the angles' grid in the rates.
 AngularState rotateState(const AngularState& state, const Eigen::Matrix3d& R_to_from);
 
+/// d (mean of rotateState) / d mean, 4x4: how errors of a motion turn.
+Eigen::Matrix4d rotateStateJacobian(const Eigen::Vector4d& mean, const Eigen::Matrix3d& R_to_from);
+
 /// State `h` seconds later (or earlier) at constant angular rates, plus white angular acceleration of
 /// density `q` [rad^2/s^3] in each channel: Q = q [[h^3/3, h^2/2], [h^2/2, h]] for |h|.
 AngularState propagate(const AngularState& state, double h, double q);

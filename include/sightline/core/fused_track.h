@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sightline/core/fusion_report.h"
+#include "sightline/core/fusion_rules.h"
+#include "sightline/core/global_track.h"
+
+/// What is said of a global track after a fusion.
+namespace sightline::core {
+
+/// Says that `used` made the track's state, with these gains; `reporting` is the tracker whose report caused
+/// the fusion.
+void describeFusion(const GlobalTrack& track, const std::vector<std::size_t>& used,
+                    const FusedEstimate<4>& fused, const std::string& reporting, FusedTrack& description);
+
+/// Says that nobody did, and the state is a prediction.
+void describeCoasting(const GlobalTrack& track, FusedTrack& description);
+
+/// Lists the supporters that were not used, each with the reason.
+void describeLeftOut(const GlobalTrack& track,
+                     const std::vector<std::pair<std::size_t, std::string>>& left_out,
+                     FusedTrack& description);
+
+}  // namespace sightline::core

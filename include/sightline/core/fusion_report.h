@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "sightline/core/time.h"
+#include "sightline/core/track.h"
+
+namespace sightline::core {
+
+/// How local tracks of one target become one; the rules themselves are in fusion_rules.h.
+enum class FusionRule {
+  weighted_covariance,      ///< the paper's: errors taken as independent
+  cross_covariance,         ///< Bar-Shalom and Campo, maximum likelihood for more than two
+  covariance_intersection,  ///< whatever the correlation is
+};
+
+/// weighted_covariance, cross_covariance, covariance_intersection.
+std::string nameOf(FusionRule rule);
+
+/// A local track's part in a global one: the fields of sightline/SourceTrack.
+struct SourceTrack {
+  std::string tracker;
+  std::uint32_t id = 0;
+  double weight = 0.0;  ///< share in the fused position, in [0, 1]; 0 when left out
+  /// Normalised distance squared from the other local tracks of the global track [1]; NaN = there are none.
+  double distance_squared = std::numeric_limits<double>::quiet_NaN();
+  double age = 0.0;    ///< by how much the track was predicted to the common time [s]
+  std::string reason;  ///< only when left out: "kind: details"
+};
+
+/// A global track and what it was made of.
+struct FusedTrack {
+  Track track;  ///< `sources` are the names of the trackers that contribute
+  FusionRule rule = FusionRule::weighted_covariance;
+  std::vector<SourceTrack> sources;   ///< that contributed, by tracker name; none: the state is a prediction
+  std::vector<SourceTrack> left_out;  ///< that belong to the target and were not used
+};
+
+/// All global tracks at one instant.
+struct FusionReport {
+  Time time{};                     ///< at which every state is valid: the newest stamp of the local reports
+  std::vector<FusedTrack> tracks;  ///< ascending id
+  std::vector<SourceTrack> left_out;  ///< local tracks that belong to no global one
+  /// Why the report that was handed in was not used ("kind: details"); the rest is then as it was before.
+  /// Empty when used.
+  std::string refusal;
+};
+
+}  // namespace sightline::core

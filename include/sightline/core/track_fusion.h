@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sightline/core/fusion_report.h"
+#include "sightline/core/fusion_rules.h"
+#include "sightline/core/global_track.h"
+#include "sightline/core/local_reports.h"
+#include "sightline/core/time.h"
+
+namespace sightline::core {
+
+struct TrackFusionParams {
+  FusionRule rule = FusionRule::cross_covariance;
+  IntersectionWeights intersection_weights =
+      IntersectionWeights::determinant;  ///< for covariance_intersection
+
+  /// Probability that two tracks of one target are recognised as such, if their covariances are right, in (0,
+  /// 1).
+  double gate_probability = 0.999;
+  double leave_factor = 2.0;        ///< a supporter goes at this many times the gate's threshold, >= 1
+  double registration_sigma = 0.0;  ///< misalignment between trackers to allow for in the gate [rad], >= 0
+
+  /// Density of white angular acceleration for predictions to the common time and for cross_covariance
+  /// [rad^2/s^3], >= 0; 0 = what each local track's covariance implies.
+  double process_noise = 0.0;
+
+  double coasting_age = 0.5;  ///< a coasting local track counts so long after its last sighting [s], >= 0
+  double delete_after = 1.0;  ///< a global track ends so long after its last support [s], >= 0
+  bool allow_shared_sensors = false;  ///< fuse local tracks that list a sensor in common as if they did not
+  int max_tracks = 256;               ///< no global track is started beyond, >= 1
+  LocalReportsParams reports;
+};
+
+/// Fuses the tracks of several local trackers into global ones. All trackers must report in the same frame,
+/// as seen from the same point.
+///
+/// A global track is the fusion of its supporters - at most one local track of each tracker - at the newest
+/// stamp reported; it is never filtered over time and never fed back. Who supports whom is remembered: a
+/// supporter stays until it contradicts the others taken together (not itself included) by more than
+/// `leave_factor` gates, the worst first; everybody else is assigned to the nearest within the gate.
+/// Confirmed tracks that belong nowhere start a global track; two global tracks that turn out to be one
+/// become the older.
+///
+/// Left out, with the reason: tentative tracks; invalid states; reports older than `max_age`; coasting tracks
+/// not seen for longer than `coasting_age`, unless nothing better is there (so that a global track lives as
+/// long as a local one); tracks that share a sensor with a surer one, as the same sightings would count
+/// twice, unless the rule is covariance_intersection, which holds for any correlation, or
+/// `allow_shared_sensors`. A tracker's own name counts as a sensor of its, so that a fusion and what it was
+/// made of are not fused again.
+class TrackFusion {
+ public:
+  /// Throws std::invalid_argument for parameters out of their range.
+  explicit TrackFusion(const TrackFusionParams& params);
+
+  /// Takes a report and fuses. Never throws for what is in it; at most one report of a tracker is remembered.
+  FusionReport onReport(const LocalReport& report);
+
+  /// Forgets all reports and tracks; ids go on.
+  void reset();
+
+ private:
+  /// A global track and what was last said of it.
+  struct Entry {
+    GlobalTrack track;
+    FusedTrack report;
+  };
+
+  /// A local track without a global one, or (without key) a global track: something to be assigned.
+  struct Row {
+    std::optional<LocalKey> key;
+    std::size_t entry;
+    AngularState state_tracking;
+    Time time;
+  };
+
+  void follow(const std::string& reporting);
+  void separate();
+  void associate(const std::string& tracker, bool merge);
+  Eigen::MatrixXd distances(const std::vector<Row>& rows, const std::vector<std::size_t>& columns) const;
+  void unite(std::vector<std::pair<std::size_t, std::size_t>> pairs);
+  void start(const LocalKey& key);
+  void fuse(Entry& entry, const std::string& reporting) const;
+  std::optional<FusedEstimate<4>> combine(const GlobalTrack& track,
+                                          const std::vector<std::size_t>& used) const;
+  void dropSilent();
+  FusionReport describe() const;
+  FusionReport refused(const LocalReport& report, const std::string& why) const;
+
+  std::string whyUnusable(const LocalTrack& local) const;
+  bool isSupporter(const LocalKey& key) const;
+  std::vector<Row> freeTracksOf(const std::string& tracker) const;
+
+  TrackFusionParams params_;
+  double join_threshold_;  // of distances squared
+  LocalReports reports_;
+  Time time_{};
+  std::uint32_t next_id_ = 1;
+  std::vector<Entry> entries_;  // ascending id
+  FusionReport latest_;
+};
+
+/// The quantile of chi^2 with four degrees of freedom, `probability` in (0, 1).
+double chiSquareQuantile4(double probability);
+
+}  // namespace sightline::core

@@ -1,0 +1,170 @@
+#include "sightline/core/global_track.h"
+
+#include <algorithm>
+
+#include <Eigen/Cholesky>
+
+#include "sightline/core/track_alignment.h"
+
+namespace sightline::core {
+namespace {
+
+Estimate<4> estimateOf(const AngularState& state) {
+  return {state.mean, state.covariance};
+}
+
+}  // namespace
+
+double distanceSquared(const Estimate<4>& a, const Estimate<4>& b, double registration_sigma) {
+  Eigen::Matrix4d S = a.covariance + b.covariance;
+  S.topLeftCorner<2, 2>().diagonal().array() += registration_sigma * registration_sigma;
+  const Eigen::LLT<Eigen::Matrix4d> factor(S);
+  const double distance = factor.matrixL().solve(a.mean - b.mean).squaredNorm();
+  return factor.info() == Eigen::Success && distance >= 0.0 ? distance
+                                                            : std::numeric_limits<double>::infinity();
+}
+
+GlobalTrack::GlobalTrack(std::uint32_t id, Time time, const LocalKey& key, const LocalTrack& local,
+                         double process_noise)
+    : id_(id),
+      process_noise_(process_noise),
+      chart_(Chart::around(directionOf(local.track.state.angles()))),
+      time_(time),
+      last_fusion_(time) {
+  join(key, local);
+  state_ = supporters_.front().state;
+  density_ = supporters_.front().density;
+}
+
+bool GlobalTrack::hasTracker(const std::string& tracker) const {
+  return std::any_of(supporters_.begin(), supporters_.end(),
+                     [&tracker](const Supporter& supporter) { return supporter.key.tracker == tracker; });
+}
+
+bool GlobalTrack::hasAnyTrackerOf(const GlobalTrack& other) const {
+  return std::any_of(supporters_.begin(), supporters_.end(), [&other](const Supporter& supporter) {
+    return other.hasTracker(supporter.key.tracker);
+  });
+}
+
+Eigen::Vector2d GlobalTrack::densityOf(const Eigen::Matrix4d& covariance) const {
+  return process_noise_ > 0.0 ? Eigen::Vector2d::Constant(process_noise_) : impliedProcessNoise(covariance);
+}
+
+void GlobalTrack::advance(Time time) {
+  const double h = seconds(time - time_);
+  time_ = time;
+  if (h <= 0.0) return;
+  std::vector<Eigen::Vector2d> densities;
+  for (Supporter& supporter : supporters_) {
+    supporter.state = propagate(supporter.state, h, supporter.density);
+    densities.push_back(supporter.density);
+  }
+  cross_.predict(h, densities);
+  state_ = propagate(state_, h, density_);
+}
+
+AngularState GlobalTrack::aligned(const AngularState& state_tracking, Time time) const {
+  const AngularState state = chart_.fromTracking(state_tracking);
+  return propagate(state, seconds(time_ - time), densityOf(state.covariance));
+}
+
+Supporter GlobalTrack::supporterOf(const LocalKey& key, const LocalTrack& local) const {
+  Supporter supporter;
+  supporter.key = key;
+  supporter.track = local.track;
+  supporter.reported = local.time;
+  supporter.density = densityOf(chart_.fromTracking(local.track.state).covariance);
+  supporter.state = aligned(local.track.state, local.time);
+  return supporter;
+}
+
+void GlobalTrack::join(const LocalKey& key, const LocalTrack& local) {
+  supporters_.push_back(supporterOf(key, local));
+  cross_.add();
+}
+
+double GlobalTrack::renew(std::size_t supporter, const LocalTrack& local) {
+  Supporter& old = supporters_[supporter];
+  Supporter renewed = supporterOf(old.key, local);
+  renewed.contributed = old.contributed;
+  const double surprise = distanceSquared(estimateOf(old.state), estimateOf(renewed.state), 0.0);
+  cross_.update(supporter, old.state.covariance, renewed.state.covariance);
+  old = std::move(renewed);
+  return surprise;
+}
+
+void GlobalTrack::leave(std::size_t supporter) {
+  supporters_.erase(supporters_.begin() + static_cast<std::ptrdiff_t>(supporter));
+  cross_.remove(supporter);
+}
+
+void GlobalTrack::absorb(const GlobalTrack& other) {
+  for (Supporter supporter : other.supporters_) {
+    supporter.state = chart_.fromTracking(other.chart_.toTracking(supporter.state));
+    supporters_.push_back(std::move(supporter));
+    cross_.add();
+  }
+}
+
+std::vector<std::size_t> GlobalTrack::usable() const {
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < supporters_.size(); ++i) {
+    if (supporters_[i].unusable.empty()) numbers.push_back(i);
+  }
+  return numbers;
+}
+
+void GlobalTrack::compareSupporters(double registration_sigma) {
+  const std::vector<std::size_t> numbers = usable();
+  for (Supporter& supporter : supporters_)
+    supporter.distance_squared = std::numeric_limits<double>::quiet_NaN();
+  if (numbers.size() < 2) return;
+  for (const std::size_t number : numbers) {
+    std::vector<Estimate<4>> others;
+    for (const std::size_t other : numbers) {
+      if (other != number) others.push_back(estimateOf(supporters_[other].state));
+    }
+    Supporter& supporter = supporters_[number];
+    supporter.distance_squared = std::numeric_limits<double>::infinity();
+    if (const auto rest = weightedCovariance(others)) {
+      supporter.distance_squared =
+          distanceSquared(estimateOf(supporter.state), {rest->mean, rest->covariance}, registration_sigma);
+    }
+  }
+}
+
+Estimate<4> GlobalTrack::opinion() const {
+  std::vector<Estimate<4>> estimates;
+  for (const std::size_t number : usable()) estimates.push_back(estimateOf(supporters_[number].state));
+  const auto fused = weightedCovariance(estimates);
+  return fused ? Estimate<4>{fused->mean, fused->covariance} : estimateOf(state_);
+}
+
+void GlobalTrack::setFused(const std::vector<std::size_t>& contributors, const AngularState& fused) {
+  state_ = fused;
+  last_fusion_ = time_;
+  if (!chart_.holds(state_.angles())) moveToChart(Chart::around(chart_.directionAt(state_.angles())));
+
+  for (Supporter& supporter : supporters_) supporter.contributed = false;
+  density_.setZero();
+  for (const std::size_t number : contributors) {
+    supporters_[number].contributed = true;
+    density_ = density_.cwiseMax(supporters_[number].density);
+  }
+}
+
+void GlobalTrack::moveToChart(const Chart& chart) {
+  const Eigen::Matrix3d R_new_old = chart.R_chart_tracking() * chart_.R_chart_tracking().transpose();
+  std::vector<Eigen::Matrix4d> jacobians;
+  for (Supporter& supporter : supporters_) {
+    jacobians.push_back(rotateStateJacobian(supporter.state.mean, R_new_old));
+    supporter.state = rotateState(supporter.state, R_new_old);
+    supporter.density = densityOf(supporter.state.covariance);
+  }
+  cross_.transform(jacobians);
+  state_ = rotateState(state_, R_new_old);
+  chart_ = chart;
+}
+
+}  // namespace sightline::core

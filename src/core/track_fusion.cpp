@@ -1,0 +1,330 @@
+#include "sightline/core/track_fusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "sightline/core/assignment.h"
+#include "sightline/core/contributors.h"
+#include "sightline/core/fused_track.h"
+#include "sightline/core/sphere.h"
+
+namespace sightline::core {
+namespace {
+
+constexpr double kForbidden = std::numeric_limits<double>::infinity();
+
+AngularState stateOf(const Estimate<4>& estimate) {
+  return {estimate.mean, estimate.covariance};
+}
+
+void check(bool holds, const std::string& rule) {
+  if (!holds) throw std::invalid_argument("TrackFusionParams: " + rule);
+}
+
+void check(const TrackFusionParams& params) {
+  check(params.gate_probability > 0.0 && params.gate_probability < 1.0,
+        "gate_probability in (0, 1) is required");
+  check(params.leave_factor >= 1.0, "leave_factor >= 1 is required");
+  check(params.registration_sigma >= 0.0, "registration_sigma >= 0 rad is required");
+  check(params.process_noise >= 0.0,
+        "process_noise >= 0 rad^2/s^3 is required (0 = implied by the covariances)");
+  check(params.coasting_age >= 0.0 && params.delete_after >= 0.0,
+        "coasting_age and delete_after >= 0 s are required");
+  check(params.reports.max_age > 0.0 && params.reports.forget_after >= params.reports.max_age,
+        "max_age > 0 s and forget_after >= max_age are required");
+  check(params.max_tracks >= 1 && params.reports.max_tracks >= 1 && params.reports.max_trackers >= 1,
+        "limits >= 1 are required");
+}
+
+}  // namespace
+
+double chiSquareQuantile4(double probability) {
+  // 1 - exp(-x/2) (1 + x/2) = p is increasing in x; bisection, as its slope vanishes at both ends.
+  double low = 0.0, high = 1.0;
+  const auto tail = [](double x) { return std::exp(-0.5 * x) * (1.0 + 0.5 * x); };
+  while (tail(high) > 1.0 - probability && high < 1e3) high *= 2.0;
+  for (int halving = 0; halving < 60; ++halving) {
+    const double middle = 0.5 * (low + high);
+    (tail(middle) > 1.0 - probability ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+TrackFusion::TrackFusion(const TrackFusionParams& params)
+    : params_(params),
+      join_threshold_(chiSquareQuantile4(params.gate_probability)),
+      reports_(params.reports) {
+  check(params);
+}
+
+FusionReport TrackFusion::onReport(const LocalReport& report) {
+  const std::string refusal = reports_.take(report);
+  if (!refusal.empty()) return refused(report, refusal);
+
+  if (reports_.newest() < time_) entries_.clear();  // the trackers' stamps start again
+  time_ = reports_.newest();
+
+  follow(report.tracker);
+  separate();
+  for (const auto& named : reports_.trackers()) associate(named.first, named.first == report.tracker);
+  for (Entry& entry : entries_) fuse(entry, report.tracker);
+  dropSilent();
+  latest_ = describe();
+  return latest_;
+}
+
+void TrackFusion::reset() {
+  reports_ = LocalReports(params_.reports);
+  entries_.clear();
+  time_ = {};
+  latest_ = {};
+}
+
+/// Brings every global track to the new time, with what its supporters now say; those that are no more go.
+void TrackFusion::follow(const std::string& reporting) {
+  for (Entry& entry : entries_) {
+    entry.track.advance(time_);
+    for (std::size_t i = entry.track.supporters().size(); i-- > 0;) {
+      const LocalKey key = entry.track.supporters()[i].key;
+      const std::uint32_t hits_before = entry.track.supporters()[i].track.hits;
+      const LocalTrack* local = reports_.find(key);
+      // A track that was believed does not become tentative: its tracker started again and gave the id to
+      // another.
+      if (local == nullptr || local->track.status == TrackStatus::tentative) {
+        entry.track.leave(i);
+        continue;
+      }
+      const std::string why = whyUnusable(*local);
+      entry.track.setUnusable(i, why);
+      if (!why.empty() || key.tracker != reporting) continue;
+      const double surprise = entry.track.renew(i, *local);
+      const bool is_another =
+          local->track.hits < hits_before && surprise > params_.leave_factor * join_threshold_;
+      if (is_another) entry.track.leave(i);
+    }
+  }
+}
+
+/// Supporters that contradict the others go, the worst first; of two, the one that came later.
+void TrackFusion::separate() {
+  for (Entry& entry : entries_) {
+    for (;;) {
+      entry.track.compareSupporters(params_.registration_sigma);
+      const auto& supporters = entry.track.supporters();
+      std::size_t worst = supporters.size();
+      double farthest = params_.leave_factor * join_threshold_;
+      for (std::size_t i = 0; i < supporters.size(); ++i) {
+        if (!(supporters[i].distance_squared >= farthest)) continue;  // NaN: nobody to contradict
+        farthest = supporters[i].distance_squared;
+        worst = i;
+      }
+      if (worst == supporters.size()) break;
+      entry.track.leave(worst);
+    }
+  }
+}
+
+/// Finds a global track for each free local track of `tracker`, by optimal assignment; with `merge` also for
+/// the global tracks that it supports already, which then become one with the one found. What is left starts
+/// a global track.
+void TrackFusion::associate(const std::string& tracker, bool merge) {
+  std::vector<Row> rows = freeTracksOf(tracker);
+  std::vector<std::size_t> columns;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const GlobalTrack& track = entries_[i].track;
+    if (!track.hasTracker(tracker)) {
+      columns.push_back(i);
+    } else if (merge) {
+      rows.push_back({{}, i, track.chart().toTracking(stateOf(track.opinion())), time_});
+    }
+  }
+  if (rows.empty()) return;
+
+  const std::vector<int> found = assign(distances(rows, columns), join_threshold_);
+  std::vector<std::pair<std::size_t, std::size_t>> same;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const std::optional<LocalKey>& key = rows[row].key;
+    if (found[row] < 0) {
+      if (key) start(*key);
+      continue;
+    }
+    const std::size_t entry = columns[static_cast<std::size_t>(found[row])];
+    if (key) {
+      entries_[entry].track.join(*key, *reports_.find(*key));
+      entries_[entry].track.compareSupporters(params_.registration_sigma);
+    } else {
+      same.emplace_back(rows[row].entry, entry);
+    }
+  }
+  unite(same);
+}
+
+/// Normalised distances squared; infinite beyond the gate, and between global tracks with a tracker in
+/// common.
+Eigen::MatrixXd TrackFusion::distances(const std::vector<Row>& rows,
+                                       const std::vector<std::size_t>& columns) const {
+  Eigen::MatrixXd distances = Eigen::MatrixXd::Constant(
+      static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns.size()), kForbidden);
+  for (Eigen::Index column = 0; column < distances.cols(); ++column) {
+    const GlobalTrack& track = entries_[columns[static_cast<std::size_t>(column)]].track;
+    const Estimate<4> opinion = track.opinion();
+    for (Eigen::Index i = 0; i < distances.rows(); ++i) {
+      const Row& row = rows[static_cast<std::size_t>(i)];
+      if (!row.key && entries_[row.entry].track.hasAnyTrackerOf(track)) continue;
+      const Eigen::Vector3d direction = directionOf(row.state_tracking.angles());
+      if (!track.chart().holds(track.chart().coordinatesOf(direction))) continue;
+      const AngularState aligned = track.aligned(row.state_tracking, row.time);
+      const double distance_squared =
+          distanceSquared({aligned.mean, aligned.covariance}, opinion, params_.registration_sigma);
+      if (distance_squared <= join_threshold_) distances(i, column) = distance_squared;
+    }
+  }
+  return distances;
+}
+
+/// Each pair of entries becomes one, under the older's id.
+void TrackFusion::unite(std::vector<std::pair<std::size_t, std::size_t>> pairs) {
+  std::vector<std::uint32_t> gone;
+  for (auto& [older, younger] : pairs) {
+    if (entries_[younger].track.id() < entries_[older].track.id()) std::swap(older, younger);
+    entries_[older].track.absorb(entries_[younger].track);
+    entries_[older].track.compareSupporters(params_.registration_sigma);
+    gone.push_back(entries_[younger].track.id());
+  }
+  const auto is_gone = [&gone](const Entry& entry) {
+    return std::find(gone.begin(), gone.end(), entry.track.id()) != gone.end();
+  };
+  entries_.erase(std::remove_if(entries_.begin(), entries_.end(), is_gone), entries_.end());
+}
+
+void TrackFusion::start(const LocalKey& key) {
+  const LocalTrack& local = *reports_.find(key);
+  if (local.track.status != TrackStatus::confirmed) return;
+  if (entries_.size() >= static_cast<std::size_t>(params_.max_tracks)) return;
+  Entry entry{GlobalTrack(next_id_++, time_, key, local, params_.process_noise), {}};
+  entry.report.rule = params_.rule;
+  entry.report.track.id = entry.track.id();
+  entries_.push_back(std::move(entry));
+}
+
+void TrackFusion::fuse(Entry& entry, const std::string& reporting) const {
+  const bool any_correlation = params_.rule == FusionRule::covariance_intersection;
+  Contributors choice =
+      chooseContributors(entry.track, params_.coasting_age, any_correlation || params_.allow_shared_sensors);
+  std::optional<FusedEstimate<4>> fused = combine(entry.track, choice.used);
+  if (!fused && choice.used.size() > 1) {
+    // Not reachable with covariances that passed the checks, but an operator should read it if it is.
+    for (std::size_t i = 1; i < choice.used.size(); ++i) {
+      choice.left_out.emplace_back(choice.used[i],
+                                   "undetermined: the rule has no solution for these covariances");
+    }
+    choice.used.resize(1);
+    fused = combine(entry.track, choice.used);
+  }
+
+  describeLeftOut(entry.track, choice.left_out, entry.report);
+  if (fused) {
+    entry.track.setFused(choice.used, {fused->mean, fused->covariance});
+    describeFusion(entry.track, choice.used, *fused, reporting, entry.report);
+  } else {
+    describeCoasting(entry.track, entry.report);
+  }
+}
+
+std::optional<FusedEstimate<4>> TrackFusion::combine(const GlobalTrack& track,
+                                                     const std::vector<std::size_t>& used) const {
+  std::vector<Estimate<4>> estimates;
+  for (const std::size_t number : used) {
+    const AngularState& state = track.supporters()[number].state;
+    estimates.push_back({state.mean, state.covariance});
+  }
+  if (estimates.empty()) return std::nullopt;
+  if (estimates.size() == 1) {
+    return FusedEstimate<4>{estimates[0].mean, estimates[0].covariance, {Eigen::Matrix4d::Identity()}};
+  }
+  switch (params_.rule) {
+    case FusionRule::weighted_covariance:
+      return weightedCovariance(estimates);
+    case FusionRule::cross_covariance:
+      return maximumLikelihood(estimates, track.crossCovariance().joint(estimates, used));
+    case FusionRule::covariance_intersection:
+      return covarianceIntersection(estimates, params_.intersection_weights);
+  }
+  return std::nullopt;
+}
+
+void TrackFusion::dropSilent() {
+  const auto is_silent = [this](const Entry& entry) {
+    return seconds(time_ - entry.track.lastFusion()) > params_.delete_after;
+  };
+  entries_.erase(std::remove_if(entries_.begin(), entries_.end(), is_silent), entries_.end());
+}
+
+FusionReport TrackFusion::describe() const {
+  FusionReport report;
+  report.time = time_;
+  for (const Entry& entry : entries_) report.tracks.push_back(entry.report);
+  for (const auto& [name, tracker] : reports_.trackers()) {
+    const auto add = [&report, name = &name, age = reports_.age(tracker.time)](std::uint32_t id,
+                                                                               std::string why) {
+      report.left_out.push_back(
+          {*name, id, 0.0, std::numeric_limits<double>::quiet_NaN(), age, std::move(why)});
+    };
+    for (const auto& [id, local] : tracker.tracks) {
+      if (isSupporter({name, id})) continue;
+      std::string why = whyUnusable(local);
+      if (why.empty() && local.track.status == TrackStatus::coasting)
+        why = "coasting: it cannot start a global track";
+      if (why.empty())
+        why = "limit: already " + std::to_string(entries_.size()) + " global tracks (max_tracks)";
+      add(id, why);
+    }
+    for (const auto& [id, why] : tracker.surplus) add(id, why);
+  }
+  return report;
+}
+
+FusionReport TrackFusion::refused(const LocalReport& report, const std::string& why) const {
+  FusionReport result = latest_;
+  result.refusal = why;
+  for (const Track& track : report.tracks) {
+    if (result.left_out.size() >= static_cast<std::size_t>(params_.reports.max_tracks)) break;
+    result.left_out.push_back({report.tracker, track.id, 0.0, std::numeric_limits<double>::quiet_NaN(),
+                               seconds(latest_.time - report.time), why});
+  }
+  return result;
+}
+
+std::string TrackFusion::whyUnusable(const LocalTrack& local) const {
+  if (!local.invalid.empty()) return local.invalid;
+  if (local.track.status == TrackStatus::tentative) return "tentative: its tracker does not believe it yet";
+  const double age = reports_.age(local.time);
+  if (age <= params_.reports.max_age) return {};
+  std::ostringstream why;
+  why << "stale: the report is " << age << " s older than the newest (max_age " << params_.reports.max_age
+      << " s)";
+  return why.str();
+}
+
+bool TrackFusion::isSupporter(const LocalKey& key) const {
+  for (const Entry& entry : entries_) {
+    for (const Supporter& supporter : entry.track.supporters()) {
+      if (supporter.key == key) return true;
+    }
+  }
+  return false;
+}
+
+std::vector<TrackFusion::Row> TrackFusion::freeTracksOf(const std::string& tracker) const {
+  std::vector<Row> free;
+  for (const auto& [id, local] : reports_.trackers().at(tracker).tracks) {
+    if (!whyUnusable(local).empty() || isSupporter({tracker, id})) continue;
+    free.push_back({LocalKey{tracker, id}, 0, local.track.state, local.time});
+  }
+  return free;
+}
+
+}  // namespace sightline::core
