@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace sightline::core {
+
+/// The noise of the sightings of one track, as the yardstick of settings that are free of scale: a process
+/// noise of `ratio` times this makes a filter of the same gain at a sigma of 10 microradian and of 0.1 rad.
+///
+/// It is the harmonic mean of the sightings' covariances, smoothed over the last of them: the covariance of a
+/// sighting that tells as much as those do on average. A coarse sensor that joins a fine one hardly changes
+/// it, and a fine one that joins coarse ones does at once.
+class SightingNoise {
+ public:
+  /// `R` covariance of a sighting's chart coordinates [rad^2], positive definite.
+  void add(const Eigen::Matrix2d& R);
+
+  /// The mean [rad^2]; before the first sighting zero.
+  const Eigen::Matrix2d& covariance() const { return covariance_; }
+
+  /// Goes over to coordinates that answer to the old ones with `J`.
+  void transform(const Eigen::Matrix2d& J);
+
+ private:
+  Eigen::Matrix2d information_ = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d covariance_ = Eigen::Matrix2d::Zero();
+  int sightings_ = 0;  // of those that count in the mean
+};
+
+/// White process noise, absolute or in proportion to the sightings' noise.
+struct ProcessNoise {
+  double density =
+      0.0;             ///< spectral density [rad^2/s^3] (acceleration) or [rad^2/s^5] (jerk); 0 = by `ratio`
+  double ratio = 0.0;  ///< density / sigma^2 of the sightings [1/s^3] or [1/s^5], where `density` is 0
+
+  /// The spectral density of both channels, 2x2; `sighting_noise` is that of a typical sighting [rad^2].
+  Eigen::Matrix2d densityFor(const Eigen::Matrix2d& sighting_noise) const {
+    if (density > 0.0) return density * Eigen::Matrix2d::Identity();
+    return ratio * sighting_noise;
+  }
+};
+
+}  // namespace sightline::core

@@ -1,0 +1,90 @@
+#include "sightline/core/mode_chain.h"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "simulated.h"
+
+namespace sightline::core {
+namespace {
+
+ModeArray array(std::initializer_list<double> values) {
+  ModeArray result(static_cast<Eigen::Index>(values.size()));
+  std::copy(values.begin(), values.end(), result.begin());
+  return result;
+}
+
+ModeChain uneven() {
+  ModeChain chain(3, 2.0);
+  chain.update(0.0, array({0.0, -1.0, -3.0}));
+  return chain;
+}
+
+TEST(ModeChain, TakesSightingsByBayesRule) {
+  const ModeChain chain = uneven();
+  const ModeArray expected = array({1.0, std::exp(-1.0), std::exp(-3.0)});
+  EXPECT_TRUE(chain.probabilities().isApprox(expected / expected.sum(), 1e-12));
+}
+
+TEST(ModeChain, StaysWithProbabilityExpAndLeavesForAllAlike) {
+  const ModeChain chain = uneven();
+  const double stay = std::exp(-0.5 / 2.0), leave = (1.0 - stay) / 2.0;
+  const ModeArray p = chain.probabilities(), next = chain.predicted(0.5);
+  for (int j = 0; j < 3; ++j) EXPECT_NEAR(next(j), stay * p(j) + leave * (1.0 - p(j)), 1e-14);
+  EXPECT_NEAR(next.sum(), 1.0, 1e-14);
+  EXPECT_TRUE(chain.predicted(0.0).isApprox(p));
+}
+
+TEST(ModeChain, MixesByBayesRule) {
+  const ModeChain chain = uneven();
+  const ModeMatrix mixing = chain.mixing(0.5);
+  const double stay = std::exp(-0.5 / 2.0), leave = (1.0 - stay) / 2.0;
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 3; ++i) {
+      const double transition = i == j ? stay : leave;
+      EXPECT_NEAR(mixing(i, j), transition * chain.probabilities()(i) / chain.predicted(0.5)(j), 1e-14);
+    }
+  }
+  EXPECT_TRUE(chain.mixing(0.0).isApprox(ModeMatrix(Eigen::MatrixXd::Identity(3, 3).array())));
+}
+
+TEST(ModeChain, NeverGivesUpAMode) {
+  ModeChain chain(2, 1e9);
+  for (int i = 0; i < 50; ++i) chain.update(0.01, array({0.0, -1e6}));
+  EXPECT_GT(chain.probabilities()(1), 0.5e-12);
+  for (int i = 0; i < 2; ++i) chain.update(0.01, array({-1e6, 0.0}));
+  EXPECT_GT(chain.probabilities()(1), 0.99);
+}
+
+TEST(ModeChain, OfOneModeIsCertain) {
+  ModeChain chain(1, 1.0);
+  chain.update(0.5, array({-1e5}));
+  EXPECT_EQ(chain.probabilities()(0), 1.0);
+  EXPECT_EQ(chain.predicted(3.0)(0), 1.0);
+  EXPECT_EQ(chain.mixing(3.0)(0, 0), 1.0);
+}
+
+TEST(ModeChain, RefusesTooManyModesAndNoDwell) {
+  EXPECT_THROW(ModeChain(0, 1.0), std::invalid_argument);
+  EXPECT_THROW(ModeChain(kMaxModes + 1, 1.0), std::invalid_argument);
+  EXPECT_THROW(ModeChain(2, 0.0), std::invalid_argument);
+}
+
+TEST(Mixture, HasTheSpreadOfTheMeansInItsCovariance) {
+  std::array<Motion<4>, 2> motions;
+  motions[0].mean << 1.0, 0.0, 0.0, 0.0;
+  motions[1].mean << 3.0, 0.0, 0.0, 1.0;
+  motions[0].covariance.setIdentity();
+  motions[1].covariance = 2.0 * Eigen::Matrix4d::Identity();
+  const Motion<4> mixed = mixture(array({0.75, 0.25}), motions.data());
+  EXPECT_TRUE(mixed.mean.isApprox(Eigen::Vector4d(1.5, 0.0, 0.0, 0.25)));
+  EXPECT_NEAR(mixed.covariance(0, 0), 0.75 * (1.0 + 0.25) + 0.25 * (2.0 + 2.25), 1e-14);
+  EXPECT_NEAR(mixed.covariance(0, 3), 0.75 * 0.5 * 0.25 + 0.25 * 1.5 * 0.75, 1e-14);
+  EXPECT_TRUE(test::isCovariance(mixed.covariance));
+}
+
+}  // namespace
+}  // namespace sightline::core
