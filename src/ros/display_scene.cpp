@@ -15,6 +15,7 @@ namespace core = sightline::core;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kGateOpacity = 0.05;
 constexpr double kLabelDistance = 11.0 * kDegree;  // from the rim of the ellipse
+constexpr double kViewTolerance = 1.0;             // from the view's axis before it is turned [rad]
 constexpr double kOutlineStep = 4.0 * kDegree;
 constexpr std::size_t kMaxSensors = 64;  // with another name than these nothing is kept
 constexpr const char* kMagnifierChannel = "magnifier";
@@ -43,13 +44,14 @@ double sigmaOf(const sightline::Track& track) {
   return std::max(semiAxes(tangentCovariance(state.angles(), state.anglesCovariance())).x(), 1e-9);
 }
 
-/// Unit tangent vector beside the motion, where neither trail nor prediction is: on the side of the frame's x
-/// axis, where the shipped views look. Below a target that stands still.
-Eigen::Vector2d sideOf(const core::AngularState& state) {
+/// Unit tangent vector beside the motion, where neither trail nor prediction is: on the side of the direction
+/// in which the camera looks. Below a target that stands still.
+Eigen::Vector2d sideOf(const core::AngularState& state, double view_azimuth) {
   const Eigen::Vector2d motion(std::cos(state.angles().y()) * state.rates().x(), state.rates().y());
   if (motion.norm() < 1e-6) return {0.0, -1.0};
   const Eigen::Vector2d side = Eigen::Vector2d(-motion.y(), motion.x()).normalized();
-  return side.dot(tangentTo(state.angles(), Eigen::Vector3d::UnitX())) >= 0.0 ? side : Eigen::Vector2d(-side);
+  const Eigen::Vector3d view = core::directionOf({view_azimuth, 0.0});
+  return side.dot(tangentTo(state.angles(), view)) >= 0.0 ? side : Eigen::Vector2d(-side);
 }
 
 bool isAnythingIn(const MarkerArray& array) {
@@ -91,6 +93,7 @@ void DisplayScene::restartWhenBack(double now) {
     sensors_.clear();
     trackers_.clear();
     truth_.clear();
+    view_azimuth_.reset();
   }
   newest_ = now;
 }
@@ -101,6 +104,7 @@ bool DisplayScene::isHeard(const TrackMemory& memory, double now) const {
 
 std::map<std::string, MarkerArray> DisplayScene::draw(double now) {
   restartWhenBack(now);
+  aimView();
   Sheets sheets;
   for (auto& [sensor, sightings] : sensors_) {
     sightings.forgetBefore(now - params_.sighting_time);
@@ -212,8 +216,8 @@ Marker DisplayScene::labelMarker(const sightline::Track& track) const {
   const core::AngularState state = toCore(track).state;
   const double distance = std::min(2.0 * sigmaOf(track), 0.3) + kLabelDistance;
   return textMarker(params_.canvas, "labels", static_cast<int>(track.id),
-                    walk(state.angles(), distance * sideOf(state)), labelOf(track) + errorText(track),
-                    2.5 * kDegree, mainColour());
+                    walk(state.angles(), distance * sideOf(state, viewAzimuth())),
+                    labelOf(track) + errorText(track), 2.5 * kDegree, mainColour());
 }
 
 void DisplayScene::drawSources(Marker& lines, const sightline::Track& track, double now) const {
@@ -262,7 +266,30 @@ void DisplayScene::drawTruth(MarkerArray& array) const {
   for (Marker* sheet : {&paths, &targets}) array.markers.push_back(finished(std::move(*sheet)));
 }
 
-const sightline::Track* DisplayScene::trackToMagnify() const {
+void DisplayScene::aimView() {
+  const auto direction = attention();
+  if (!direction) return;
+  const double azimuth = core::anglesOf(*direction).x();
+  const double off = core::wrapAngle(azimuth - view_azimuth_.value_or(azimuth));
+  const double beyond = off - std::clamp(off, -kViewTolerance, kViewTolerance);
+  view_azimuth_ = core::wrapAngle(view_azimuth_.value_or(azimuth) + beyond);
+}
+
+std::optional<Eigen::Vector3d> DisplayScene::attention() const {
+  if (const sightline::Track* track = leadingTrack()) {
+    return core::directionOf({track->azimuth, track->elevation});
+  }
+  const SightingMemory::Seen* latest = nullptr;
+  for (const auto& [sensor, memory] : sensors_) {
+    if (memory.seen().empty()) continue;
+    const SightingMemory::Seen& seen = memory.seen().back();
+    if (latest == nullptr || seen.arrival > latest->arrival) latest = &seen;
+  }
+  if (latest == nullptr) return std::nullopt;
+  return latest->direction;
+}
+
+const sightline::Track* DisplayScene::leadingTrack() const {
   const auto main = trackers_.find(kMainChannel);
   if (main == trackers_.end()) return nullptr;
   const auto& tracks = main->second.newest().tracks;
@@ -274,12 +301,12 @@ void DisplayScene::drawMagnified(MarkerArray& array, double now) {
   Marker rim = lineSheet(params_.canvas, "rim", 0.15 * kDegree);
   Marker dots = dotSheet(params_.canvas, "sightings and tracks", 0.7 * kDegree);
   Marker lines = lineSheet(params_.canvas, "2-sigma ellipses and truth", 0.2 * kDegree);
-  const sightline::Track* track = trackToMagnify();
+  const sightline::Track* track = leadingTrack();
   const double two_sigma = track ? 2.0 * sigmaOf(*track) : 0.0;
   if (track && Magnifier::isNeededFor(two_sigma)) {
     magnification_ = Magnifier::factorFor(two_sigma, magnification_);
     const core::AngularState state = toCore(*track).state;
-    const Magnifier magnifier(state.angles(), sideOf(state), magnification_);
+    const Magnifier magnifier(state.angles(), sideOf(state, viewAzimuth()), magnification_);
     magnifier.drawRim(rim, params_.canvas, dimmed(mainColour(), 0.7));
     array.markers.push_back(magnifier.label(params_.canvas, mainColour()));
     magnifySightings(dots, magnifier, track->id, now);

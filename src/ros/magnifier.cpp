@@ -69,7 +69,8 @@ Marker Magnifier::label(const Canvas& canvas, const Colour& colour) const {
   char factor[32];
   std::snprintf(factor, sizeof(factor), "x %.0f", factor_);
   const std::string text = std::string(factor) + ", radius " + readableAngle(kRadius / factor_);
-  return textMarker(canvas, "magnification", 0, walk(centre_, {0.0, -kRadius - 0.04}), text, 0.035, colour);
+  const Eigen::Vector2d away = -tangentTo(centre_, sightline::core::directionOf(target_)).normalized();
+  return textMarker(canvas, "magnification", 0, walk(centre_, (kRadius + 0.06) * away), text, 0.035, colour);
 }
 
 }  // namespace sightline_ros

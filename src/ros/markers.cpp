@@ -17,6 +17,8 @@ constexpr double kDegree = kPi / 180.0;
 constexpr double kLineStep = 2.0 * kDegree;  // of curves along the sphere
 constexpr int kEllipseCorners = 36;
 constexpr double kTextHeight = 2.0 * kDegree;
+constexpr double kNameWidth = 9.0 * kDegree;    // half of a sensor's name, and a bit
+constexpr double kNameSpacing = 3.2 * kDegree;  // from line to line
 
 // Things of different kinds lie in thin shells, so that they do not fight for the same depth. Shares of the
 // radius.
@@ -222,23 +224,28 @@ MarkerArray gridMarkers(Canvas canvas) {
   for (int elevation = -60; elevation <= 60; elevation += 30) {
     if (elevation != 0) label(1.5, elevation + 1.0, elevation);
   }
+  for (Marker& marker : array.markers) marker.frame_locked = true;  // the view may turn under them
   return array;
 }
 
-MarkerArray fieldOfViewMarkers(Canvas canvas, const FieldOfView& view, double name_place,
+MarkerArray fieldOfViewMarkers(Canvas canvas, const FieldOfView& view, const Place& place,
                                const Colour& colour) {
   canvas.frame = view.frame;
   canvas.lifetime = ros::Duration(0.0);
   MarkerArray array;
-  array.markers.push_back(lineSheet(canvas, "field of view", 0.15 * kDegree));
-  Marker& lines = array.markers.back();
-  lines.frame_locked = true;
-  drawLine(lines, canvas, rectangleOutline({Eigen::Vector2d::Zero(), view.half_width}, kLineStep),
-           dimmed(colour, 0.7));
-  const Eigen::Vector2d corner((1.0 - 2.0 * name_place) * view.half_width.x(), view.half_width.y() + kDegree);
-  array.markers.push_back(textMarker(canvas, "name", 0, sightline::core::directionOf(corner), view.sensor,
-                                     kTextHeight, withAlpha(colour, 1.0)));
-  array.markers.back().frame_locked = true;
+  array.markers.push_back(lineSheet(canvas, "field of view", 0.2 * kDegree));
+  const double step = std::min(kLineStep, view.half_width.minCoeff() / place.count);
+  const Directions outline = rectangleOutline({Eigen::Vector2d::Zero(), view.half_width}, step);
+  for (std::size_t i = place.index; i + 1 < outline.size(); i += place.count) {
+    drawLine(array.markers.back(), canvas, {outline[i], outline[i + 1]}, colour);
+  }
+  // At the left rim, inside where there is room, one below the other.
+  const double aside = view.half_width.x() > 0.4 ? -kNameWidth : kNameWidth;
+  const double lines_up = 0.5 * static_cast<double>(place.count - 1) - static_cast<double>(place.index);
+  const Eigen::Vector2d name(view.half_width.x() + aside, lines_up * kNameSpacing);
+  array.markers.push_back(
+      textMarker(canvas, "name", 0, sightline::core::directionOf(name), view.sensor, kTextHeight, colour));
+  for (Marker& marker : array.markers) marker.frame_locked = true;
   return array;
 }
 

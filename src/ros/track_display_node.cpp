@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
+#include <geometry_msgs/TransformStamped.h>
 #include <ros/ros.h>
 
 #include "sightline/ros/conversions.h"
@@ -95,6 +97,7 @@ TrackDisplayParams loadTrackDisplayParams(const ParamReader& reader) {
   params.sighting_topics = reader.texts("sighting_topics", params.sighting_topics);
   params.track_topics = reader.texts("track_topics", params.track_topics);
   params.association_topics = reader.texts("association_topics", params.association_topics);
+  params.view_frame = reader.text("view_frame", params.view_frame);
   params.scenario = reader.text("scenario", params.scenario);
   params.fields_of_view = loadFieldsOfView(reader);
   canvas.lifetime = ros::Duration(std::max(0.5, 3.0 / params.rate));
@@ -135,6 +138,7 @@ TrackDisplayNode::TrackDisplayNode(ros::NodeHandle nh, ros::NodeHandle private_n
       params_.fields_of_view.push_back(std::move(view));
   }
   grid_publisher_ = nh_.advertise<MarkerArray>("/display/grid", 1, true);
+  all_publisher_ = nh_.advertise<MarkerArray>("/display/all", 100);
   grid_publisher_.publish(gridMarkers(params_.scene.canvas));
   subscribe();
   publish_timer_ = nh_.createWallTimer(ros::WallDuration(1.0 / params_.rate),
@@ -204,17 +208,37 @@ void TrackDisplayNode::showScans() {
 void TrackDisplayNode::publish() {
   showScans();
   for (const auto& [channel, markers] : scene_.draw(ros::Time::now().toSec())) {
-    publisherOf(channel).publish(markers);
+    publish(channel, markers);
   }
+  aimView();
+}
+
+void TrackDisplayNode::publish(const std::string& channel, const MarkerArray& markers) {
+  publisherOf(channel).publish(markers);
+  if (all_publisher_.getNumSubscribers() == 0) return;
+  MarkerArray all = markers;
+  for (Marker& marker : all.markers) marker.ns = channel + ": " + marker.ns;
+  all_publisher_.publish(all);
+}
+
+void TrackDisplayNode::aimView() {
+  const double azimuth = scene_.viewAzimuth();
+  if (params_.view_frame.empty() || aimed_ == azimuth) return;
+  aimed_ = azimuth;
+  geometry_msgs::TransformStamped transform;
+  transform.header.stamp = ros::Time::now();
+  transform.header.frame_id = params_.frames.tracking_frame;
+  transform.child_frame_id = params_.view_frame;
+  transform.transform.rotation.z = std::sin(0.5 * azimuth);
+  transform.transform.rotation.w = std::cos(0.5 * azimuth);
+  view_broadcaster_.sendTransform(transform);
 }
 
 void TrackDisplayNode::publishFieldsOfView() {
   for (std::size_t i = 0; i < params_.fields_of_view.size(); ++i) {
     const FieldOfView& view = params_.fields_of_view[i];
-    const double name_place =
-        (static_cast<double>(i) + 0.5) / static_cast<double>(params_.fields_of_view.size());
-    publisherOf(view.sensor)
-        .publish(fieldOfViewMarkers(params_.scene.canvas, view, name_place, colours_.of(view.sensor)));
+    const Place place{i, params_.fields_of_view.size()};
+    publish(view.sensor, fieldOfViewMarkers(params_.scene.canvas, view, place, colours_.of(view.sensor)));
   }
 }
 

@@ -192,6 +192,19 @@ TEST_F(Scene, TracksThatAreNotFiniteAreLeftOut) {
   EXPECT_EQ(find(scene.draw(1.0), "left", "tracks")->points.size(), 1U);
 }
 
+TEST_F(Scene, ViewGoesToTheSightingsThenToTheMainTrackWhichTakesItAlong) {
+  EXPECT_EQ(scene.viewAzimuth(), 0.0);
+  scene.addScan(scanAt("right", 1.0, 2.5, 0.0), 1.0);
+  scene.draw(1.0);
+  EXPECT_NEAR(scene.viewAzimuth(), 2.5, 1e-9);
+  scene.addTracks(DisplayScene::kMainChannel, report(1.1, {track(1, 3.1, 0.0)}), 1.1);
+  scene.draw(1.1);
+  EXPECT_NEAR(scene.viewAzimuth(), 2.5, 1e-9);  // near enough
+  scene.addTracks(DisplayScene::kMainChannel, report(1.2, {track(1, -2.5, 0.0)}), 1.2);
+  scene.draw(1.2);
+  EXPECT_NEAR(scene.viewAzimuth(), core::wrapAngle(-2.5 - 1.0), 1e-9);  // across the wrap
+}
+
 TEST_F(Scene, PictureStaysBoundedWhateverComesIn) {
   for (int i = 0; i < 20000; ++i) {
     const double time = 1.0 + 1e-4 * i;

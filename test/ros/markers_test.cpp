@@ -168,7 +168,7 @@ TEST(Markers, GridStaysForEverAndIsLabelledInDegrees) {
 TEST(Markers, FieldOfViewIsDrawnInTheSensorsFrame) {
   const Canvas canvas;
   const sightline_ros::FieldOfView view{"left", "left_frame", {0.4, 0.3}};
-  const MarkerArray array = sightline_ros::fieldOfViewMarkers(canvas, view, 0.5, sightline_ros::mainColour());
+  const MarkerArray array = sightline_ros::fieldOfViewMarkers(canvas, view, {}, sightline_ros::mainColour());
   ASSERT_EQ(array.markers.size(), 2U);
   for (const Marker& marker : array.markers) {
     EXPECT_EQ(marker.header.frame_id, "left_frame");
@@ -183,6 +183,22 @@ TEST(Markers, FieldOfViewIsDrawnInTheSensorsFrame) {
   }
   EXPECT_NEAR(widest, 0.4, 1e-9);
   EXPECT_NEAR(highest, 0.3, 1e-9);
+}
+
+TEST(Markers, FieldsOfViewThatCoincideShareTheirOutline) {
+  std::set<std::vector<double>> starts;
+  std::size_t segments = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const MarkerArray array = sightline_ros::fieldOfViewMarkers(Canvas(), {"sensor", "frame", {1e-3, 2e-3}},
+                                                                {i, 3}, sightline_ros::mainColour());
+    const auto& points = array.markers[0].points;
+    EXPECT_GE(points.size(), 8U);  // a dash on each side at least
+    for (std::size_t k = 0; k < points.size(); k += 2) {
+      starts.insert({points[k].x, points[k].y, points[k].z});
+      ++segments;
+    }
+  }
+  EXPECT_GE(starts.size(), segments - 4);  // the corners end one side and start the next
 }
 
 TEST(SensorColours, NamesGivenTakeDifferentColoursAndOthersAlwaysTheSame) {

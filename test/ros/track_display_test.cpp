@@ -128,6 +128,28 @@ TEST_F(TrackDisplay, ShowsTheMainTrackWithItsLabelAndTheTruth) {
   EXPECT_GT(fusion.marker("tracks").lifetime.toSec(), 0.0);
 }
 
+TEST_F(TrackDisplay, ShowsEverythingOnOneTopicToo) {
+  Channel all(nh_, "/display/all");
+  const auto publish = [this] {
+    publishTracks(tracks_, "platform_enu");
+    publishTracks(truth_, "platform_enu");
+  };
+  EXPECT_TRUE(waitFor([&] { return all.shows("fusion: tracks") && all.shows("truth: targets"); }, publish));
+}
+
+TEST_F(TrackDisplay, TurnsTheViewFrameTowardsTheTrack) {
+  std::string child;
+  const auto take = [&](const tf2_msgs::TFMessage::ConstPtr& message) {
+    for (const auto& transform : message->transforms) {
+      if (transform.child_frame_id == "display_view") child = transform.header.frame_id;
+    }
+  };
+  const ros::Subscriber subscriber = nh_.subscribe<tf2_msgs::TFMessage>(
+      "/tf_static", 10, boost::function<void(const tf2_msgs::TFMessage::ConstPtr&)>(take));
+  EXPECT_TRUE(waitFor([&] { return !child.empty(); }, [this] { publishTracks(tracks_, "platform_enu"); }));
+  EXPECT_EQ(child, "platform_enu");
+}
+
 TEST_F(TrackDisplay, ClearsWhatIsNotReportedAnyMore) {
   Channel fusion(nh_, "/display/fusion");
   ASSERT_TRUE(

@@ -51,11 +51,17 @@ class DisplayScene {
   /// markers.
   std::map<std::string, MarkerArray> draw(double now);
 
+  /// Azimuth [rad] to which a camera should look: it keeps still while a believed main track, or the latest
+  /// sighting when there is none, is within 1 rad of it, and is taken along beyond. 0 before there is
+  /// anything.
+  double viewAzimuth() const { return view_azimuth_.value_or(0.0); }
+
  private:
   using Sheets = std::map<std::string, MarkerArray>;
 
   bool isHeard(const TrackMemory& memory, double now) const;
   void restartWhenBack(double now);
+  void aimView();
   void dropWhatStaysEmpty(Sheets& sheets);
 
   void drawSightings(MarkerArray& array, const std::string& sensor, double now) const;
@@ -71,7 +77,8 @@ class DisplayScene {
   void magnifyTracks(Marker& lines, const Magnifier& magnifier, const sightline::Track& track) const;
 
   Colour colourOf(const std::string& sensor, const SightingMemory::Seen& seen, double now) const;
-  const sightline::Track* trackToMagnify() const;
+  std::optional<Eigen::Vector3d> attention() const;
+  const sightline::Track* leadingTrack() const;
   std::optional<Eigen::Vector3d> directionOfSource(const std::string& source, const Eigen::Vector2d& near,
                                                    double now) const;
   std::string errorText(const sightline::Track& track) const;
@@ -81,9 +88,10 @@ class DisplayScene {
   std::map<std::string, SightingMemory> sensors_;
   std::map<std::string, TrackMemory> trackers_;
   TrackMemory truth_;
-  double newest_ = 0.0;         // the latest `now` [s]
-  double magnification_ = 0.0;  // 0 = none at present
-  std::set<std::string> full_;  // channels that had markers at the last call
+  double newest_ = 0.0;                 // the latest `now` [s]
+  std::optional<double> view_azimuth_;  // [rad]
+  double magnification_ = 0.0;          // 0 = none at present
+  std::set<std::string> full_;          // channels that had markers at the last call
 };
 
 }  // namespace sightline_ros

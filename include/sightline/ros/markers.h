@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -90,10 +91,15 @@ struct FieldOfView {
   Eigen::Vector2d half_width = Eigen::Vector2d::Zero();  ///< [rad]
 };
 
-/// Its outline with the sensor's name above, in the sensor's frame: turns with it. `name_place` in [0, 1]
-/// from the left to the right end of the upper edge, so that the names of sensors with the same view stand
-/// side by side. Lives for ever.
-MarkerArray fieldOfViewMarkers(Canvas canvas, const FieldOfView& view, double name_place,
+/// One of several sensors whose fields of view may coincide.
+struct Place {
+  std::size_t index = 0;
+  std::size_t count = 1;  ///< > index
+};
+
+/// Its outline with the sensor's name, in the sensor's frame: turns with it. Lives for ever. The outlines are
+/// dashed and the names stacked so that those of sensors with the same view can all be seen.
+MarkerArray fieldOfViewMarkers(Canvas canvas, const FieldOfView& view, const Place& place,
                                const Colour& colour);
 
 }  // namespace sightline_ros

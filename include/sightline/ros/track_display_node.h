@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include <sightline/TrackArray.h>
 #include <std_msgs/Header.h>
 #include <tf2/buffer_core.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 
 #include "sightline/core/scenario.h"
 #include "sightline/ros/display_scene.h"
@@ -34,6 +36,7 @@ struct TrackDisplayParams {
   std::vector<std::string> association_topics;
   std::string scenario = "/scenario";  ///< parameters in which simulated sensors stand; need not be there
   std::vector<FieldOfView> fields_of_view;  ///< of other sensors
+  std::string view_frame = "display_view";  ///< empty = none
 
   TrackDisplayParams();  ///< the topics of the six-sensor platform
 };
@@ -66,6 +69,8 @@ class TrackDisplayNode {
 
   void publish();
   void publishFieldsOfView();
+  void publish(const std::string& channel, const MarkerArray& markers);
+  void aimView();
   ros::Publisher& publisherOf(const std::string& channel);
 
   ros::NodeHandle nh_;
@@ -78,6 +83,9 @@ class TrackDisplayNode {
   std::vector<ros::Subscriber> subscribers_;
   std::map<std::string, ros::Publisher> publishers_;
   ros::Publisher grid_publisher_;
+  ros::Publisher all_publisher_;
+  tf2_ros::StaticTransformBroadcaster view_broadcaster_;
+  std::optional<double> aimed_;  // azimuth of the view frame's x axis that was published [rad]
   ros::WallTimer publish_timer_;
   ros::WallTimer static_timer_;
 };
