@@ -16,10 +16,6 @@ Eigen::ArrayXd unweighted(const Eigen::ArrayXd& value) {
   return Eigen::ArrayXd::Ones(value.size());
 }
 
-Eigen::ArrayXd ages(Eigen::Index n, double h) {
-  return Eigen::ArrayXd::LinSpaced(n, h * static_cast<double>(n), h);
-}
-
 TEST(AutoRegression, OfAStraightLineAtEqualIntervalsIsTwiceTheLastLessTheOneBefore) {
   const Eigen::ArrayXd value = 0.5 + 1.3 * Eigen::ArrayXd::LinSpaced(20, 0.0, 0.57);
   const auto fit = fitAutoRegression(value, unweighted(value));
@@ -38,8 +34,9 @@ TEST(AutoRegression, OfAnOscillationAtEqualIntervalsIsTwiceTheCosine) {
   EXPECT_NEAR(fit->a(1), -1.0, 1e-9);
 }
 
-TEST(AutoRegression, OfNoisySightingsIsTheReferencesShrunkenPair) {
-  // Errors in variables: (0.488, 0.436) at 8 %, where the truth at equal intervals would be (2, -1).
+TEST(AutoRegression, OfNoisySightingsShrinksTowardsTheMeanOfTheLastTwo) {
+  // Errors in variables: where the truth is near (2, -1), the reference has (0.49, 0.44) at 8 % noise and
+  // (0.54, 0.39) at 4 %. Which stretch of the curve it is taken from moves it by some hundredths.
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   int count = 0;
   for (unsigned run = 1; run <= 30; ++run) {
@@ -54,17 +51,20 @@ TEST(AutoRegression, OfNoisySightingsIsTheReferencesShrunkenPair) {
       }
     }
   }
-  EXPECT_NEAR(sum(0) / count, 0.488, 0.02);
-  EXPECT_NEAR(sum(1) / count, 0.436, 0.02);
+  EXPECT_NEAR(sum(0) / count, 0.49, 0.06);
+  EXPECT_NEAR(sum(1) / count, 0.44, 0.06);
 }
 
 TEST(AutoRegression, WeightedByAgeGivesTheNewestOfAConstantSignalANegativeWeight) {
-  const Eigen::ArrayXd value = Eigen::ArrayXd::Constant(20, 0.7), age = ages(20, 0.03);
-  const Eigen::ArrayXd weight = age * (-age).exp();  // d exp(-d), seen from the sighting after the last
+  // Three rows, as the paper prints them.
+  const Eigen::ArrayXd value = Eigen::ArrayXd::Constant(5, 0.7);
+  const Eigen::ArrayXd age =
+      Eigen::ArrayXd::LinSpaced(5, 0.15, 0.03);  // seen from the sighting after the last
+  const Eigen::ArrayXd weight = age * (-age).exp();
   const auto fit = fitAutoRegression(value, weight);
   ASSERT_TRUE(fit);
-  EXPECT_NEAR(weight(19) * fit->a(0), -0.935, 1e-3);
-  EXPECT_NEAR(weight(18) * fit->a(1), 1.933, 1e-3);
+  EXPECT_NEAR(weight(4) * fit->a(0), -0.935, 5e-4);
+  EXPECT_NEAR(weight(3) * fit->a(1), 1.933, 5e-4);
 }
 
 TEST(AutoRegression, AgreesWithTheSingularValueDecompositionOverAllConditions) {
