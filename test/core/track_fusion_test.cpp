@@ -447,6 +447,7 @@ TEST(TrackFusion, TargetThatCirclesAndPassesNearTheZenithStaysOneTrack) {
     TrackFusionParams params;
     params.rule = rule;
     TrackFusion fusion(params);
+    double settled = 0.0;
     for (int k = 0; k < 2000; ++k) {
       const double t = 1.0 + 0.01 * k;
       AngularState state;  // a great circle that passes 1 degree from the zenith, 0.6 rad/s
@@ -464,6 +465,11 @@ TEST(TrackFusion, TargetThatCirclesAndPassesNearTheZenithStaysOneTrack) {
       const AngularState& fused = report.tracks[0].track.state;
       ASSERT_LT(angleBetween(directionOf(fused.angles()), directionOf(track.state.angles())), 2e-4) << t;
       ASSERT_TRUE(test::isPositiveDefinite(fused.covariance)) << t;
+      // Seen along the circle every instant is like every other, through all changes of the chart.
+      if (k < 100) continue;
+      const double variance = rotateState(fused, R.transpose()).covariance(0, 0);
+      if (k == 100) settled = variance;
+      ASSERT_NEAR(variance / settled, 1.0, 0.02) << t;
     }
   }
 }
