@@ -40,8 +40,11 @@ Eigen::Vector2d RandomStream::normalPair() {
 unsigned RandomStream::poisson(double mean) {
   // Arrivals of a process of rate one within `mean`: no product that could underflow.
   unsigned arrivals = 0;
-  for (double elapsed = -std::log1p(-uniform()); elapsed < mean; elapsed -= std::log1p(-uniform()))
+  double elapsed = -std::log1p(-uniform());
+  while (elapsed < mean) {
     ++arrivals;
+    elapsed -= std::log1p(-uniform());
+  }
   return arrivals;
 }
 

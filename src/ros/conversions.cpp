@@ -4,6 +4,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "sightline/core/sphere.h"
+
 namespace sightline_ros {
 
 namespace core = sightline::core;
@@ -91,6 +93,25 @@ core::Track toCore(const sightline::Track& message) {
   track.existence = message.existence;
   track.sources = message.sources;
   return track;
+}
+
+sightline::SightingArray toMessage(const core::Scan& scan, const std::string& frame) {
+  sightline::SightingArray message;
+  message.header.stamp = toRos(scan.time);
+  message.header.frame_id = frame;
+  message.sensor = scan.sensor;
+  message.ifov = scan.ifov;
+  message.detection_probability = scan.detection_probability;
+  message.clutter_density = scan.clutter_density;
+  message.sightings.resize(scan.sightings.size());
+  for (std::size_t i = 0; i < scan.sightings.size(); ++i) {
+    const Eigen::Vector2d angles = core::anglesOf(scan.sightings[i].direction);
+    message.sightings[i].azimuth = angles.x();
+    message.sightings[i].elevation = angles.y();
+    copyRows(core::anglesCovariance(scan.sightings[i]), message.sightings[i].covariance);
+    message.sightings[i].snr = scan.sightings[i].snr;
+  }
+  return message;
 }
 
 sightline::Association toMessage(const core::Association& association) {

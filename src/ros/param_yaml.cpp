@@ -95,9 +95,7 @@ XmlRpcValue treeOf(const std::string& name, const YAML::Node& node) {
   return tree;
 }
 
-}  // namespace
-
-ParamReader ParamReader::fromYaml(const std::string& file) {
+XmlRpcValue treeOfFile(const std::string& file) {
   YAML::Node root;
   try {
     root = YAML::LoadFile(file);
@@ -106,7 +104,35 @@ ParamReader ParamReader::fromYaml(const std::string& file) {
   } catch (const YAML::Exception& problem) {
     throw ParamError(file + ": not YAML: " + problem.what());
   }
-  return ParamReader(treeOf(file, root), file);
+  return treeOf(file, root);
+}
+
+bool isMap(const XmlRpcValue& tree) {
+  return tree.valid() && tree.getType() == XmlRpcValue::TypeStruct;
+}
+
+/// Puts `upper` over `tree`: maps merge, anything else is replaced.
+void overlay(XmlRpcValue& tree, XmlRpcValue& upper) {
+  if (!isMap(tree) || !isMap(upper)) {
+    tree = upper;
+    return;
+  }
+  for (auto& member : upper) overlay(tree[member.first], member.second);
+}
+
+}  // namespace
+
+ParamReader ParamReader::fromYaml(const std::string& file) {
+  return ParamReader(treeOfFile(file), file);
+}
+
+ParamReader ParamReader::fromYamlFiles(const std::vector<std::string>& files) {
+  XmlRpcValue tree;
+  for (const std::string& file : files) {
+    XmlRpcValue upper = treeOfFile(file);
+    overlay(tree, upper);
+  }
+  return ParamReader(tree, files.empty() ? "" : files.back());
 }
 
 }  // namespace sightline_ros

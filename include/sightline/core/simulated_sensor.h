@@ -14,7 +14,7 @@ namespace sightline::core {
 
 /// A stretch of scenario time, [from, to) in seconds.
 struct Interval {
-  double from = 0.0;  ///< [s]
+  double from = 0.0;                                    ///< [s]
   double to = std::numeric_limits<double>::infinity();  ///< [s]
 
   bool holds(double time) const { return from <= time && time < to; }
@@ -23,9 +23,8 @@ struct Interval {
 /// A time in which a sensor is worse than it says.
 struct Degradation {
   Interval interval;
-  double sigma_scale = 1.0;  ///< true sigma over stated sigma, >= 0 [1]
-  Eigen::Vector2d bias =
-      Eigen::Vector2d::Zero();  ///< of (azimuth, elevation), added to the constant one [rad]
+  double sigma_scale = 1.0;        ///< true sigma over stated sigma, >= 0 [1]
+  Eigen::Vector2d bias{0.0, 0.0};  ///< of (azimuth, elevation), added to the constant one [rad]
 };
 
 /// A sensor as the simulator makes it. Angles are in the sensor's frame: x forward along the boresight, y
@@ -36,18 +35,17 @@ struct SimulatedSensor {
 
   Eigen::Vector3d mount_position = Eigen::Vector3d::Zero();  ///< in the platform's frame [m]
   Eigen::Vector3d mount_attitude = Eigen::Vector3d::Zero();  ///< roll, pitch (positive looks down), yaw [rad]
-  Eigen::Vector2d field_of_view{1.5,
-                                1.2};  ///< half widths in azimuth and elevation, a rectangle in angles [rad]
-  double ifov = 0.08;                  ///< angle of one detector element [rad]
+  Eigen::Vector2d field_of_view{1.5, 1.5};                   ///< half widths in azimuth and elevation [rad]
+  double ifov = 0.08;                                        ///< angle of one detector element [rad]
 
   /// Noise of each channel, as it is stated in the sightings: variance = sigma^2 + (relative_sigma r)^2 with
   /// r the angle of that channel from the boresight (the paper's eta r; sigma is its compulsory floor).
   Eigen::Vector2d sigma{0.08, 0.08};  ///< of azimuth and elevation, > 0 [rad]
   double relative_sigma = 0.0;        ///< eta, >= 0 [1]
 
-  Eigen::Vector2d bias = Eigen::Vector2d::Zero();  ///< constant error, not stated in the sightings [rad]
-  double detection_probability = 1.0;              ///< of a target in view, in (0, 1]
-  double clutter_density = 0.0;                    ///< false sightings, >= 0 [1/sr a scan]
+  Eigen::Vector2d bias{0.0, 0.0};      ///< constant error, not stated in the sightings [rad]
+  double detection_probability = 1.0;  ///< of a target in view, in (0, 1]
+  double clutter_density = 0.0;        ///< false sightings, >= 0 [1/sr a scan]
 
   SightingTiming timing;
   double latency = 0.0;         ///< shortest time from exposure to publication, >= 0 [s]

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <string>
+
 #include <ros/time.h>
 #include <sightline/Association.h>
 #include <sightline/Gate.h>
+#include <sightline/SightingArray.h>
 #include <sightline/Track.h>
 
+#include "sightline/core/sighting.h"
 #include "sightline/core/time.h"
 #include "sightline/core/track.h"
 
@@ -21,6 +25,9 @@ sightline::core::Gate toCore(const sightline::Gate& gate);
 
 sightline::Track toMessage(const sightline::core::Track& track);
 sightline::core::Track toCore(const sightline::Track& track);
+
+/// `frame` is that of the scan's sightings.
+sightline::SightingArray toMessage(const sightline::core::Scan& scan, const std::string& frame);
 
 sightline::Association toMessage(const sightline::core::Association& association);
 sightline::core::Association toCore(const sightline::Association& association);

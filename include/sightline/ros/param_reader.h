@@ -48,6 +48,10 @@ class ParamReader {
   /// radians.
   static ParamReader fromYaml(const std::string& file);
 
+  /// Several files into one tree, as roslaunch loads them one after the other: maps merge, otherwise the later
+  /// file wins. Messages name the last file.
+  static ParamReader fromYamlFiles(const std::vector<std::string>& files);
+
   /// The sub-namespace `key`; empty when it is not there.
   ParamReader sub(const std::string& key) const;
 

@@ -1,0 +1,280 @@
+#include "sightline/ros/scenario_params.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include "sightline/core/sensor_simulator.h"
+
+namespace {
+
+namespace core = sightline::core;
+namespace fs = std::filesystem;
+using sightline_ros::loadScenario;
+using sightline_ros::ParamError;
+using sightline_ros::ParamReader;
+
+const fs::path kConfig = fs::path(SIGHTLINE_SOURCE_DIR) / "config";
+const std::string kSixSensors = kConfig / "sensors/six_sensors.yaml";
+
+core::Scenario shipped(const std::string& name) {
+  return loadScenario(ParamReader::fromYamlFiles({kSixSensors, kConfig / "scenarios" / (name + ".yaml")}));
+}
+
+std::vector<std::string> namesOfShipped() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(kConfig / "scenarios"))
+    names.push_back(entry.path().stem());
+  return names;
+}
+
+core::Scenario loadText(const std::string& yaml) {
+  const fs::path file =
+      fs::temp_directory_path() / ("scenario_params_test_" + std::to_string(getpid()) + ".yaml");
+  std::ofstream(file) << yaml;
+  const ParamReader reader = ParamReader::fromYaml(file);
+  fs::remove(file);
+  return loadScenario(reader);
+}
+
+/// The complaint about a scenario, without the name of its file.
+std::string refusalOf(const std::string& yaml) {
+  try {
+    loadText(yaml);
+  } catch (const ParamError& refusal) {
+    const std::string message = refusal.what();
+    return message.substr(message.find(".yaml") + 5);
+  }
+  return "no refusal";
+}
+
+const core::SimulatedSensor& sensorOf(const core::Scenario& scenario, const std::string& name) {
+  for (const core::SimulatedSensor& sensor : scenario.sensors) {
+    if (sensor.name == name) return sensor;
+  }
+  throw std::out_of_range(name);
+}
+
+/// Share of a sensor's scans that show the target, of those in which it exists, before `until` seconds.
+double shareSeen(const core::Scenario& scenario, const std::string& sensor, const core::Target& target,
+                 double until) {
+  core::SensorSimulator simulator(scenario, sensor, core::Time{});
+  int there = 0, seen = 0;
+  while (const auto simulated = simulator.next()) {
+    const double time = core::seconds(simulated->scan.time.time_since_epoch());
+    if (time >= until) break;
+    if (!core::truthAt(scenario, target, time)) continue;
+    ++there;
+    for (const auto origin : simulated->origins) seen += origin == target.id;
+  }
+  return there > 0 ? static_cast<double>(seen) / there : 0.0;
+}
+
+// ---- the shipped files
+// -------------------------------------------------------------------------------------------
+
+TEST(ScenarioParams, EveryShippedScenarioLoadsWithTheSixSensors) {
+  const auto names = namesOfShipped();
+  EXPECT_GE(names.size(), 11U);
+  for (const std::string& name : names) {
+    SCOPED_TRACE(name);
+    core::Scenario scenario;
+    ASSERT_NO_THROW(scenario = shipped(name));
+    EXPECT_EQ(scenario.sensors.size(), 6U);
+    EXPECT_FALSE(scenario.targets.empty());
+  }
+}
+
+TEST(ScenarioParams, EveryTargetOfAShippedScenarioIsSeenByMostSensors) {
+  for (const std::string& name : namesOfShipped()) {
+    const core::Scenario scenario = shipped(name);
+    for (const core::Target& target : scenario.targets) {
+      double seen = 0.0;  // sensors' worth of sightings
+      for (const core::SimulatedSensor& sensor : scenario.sensors) {
+        seen += shareSeen(scenario, sensor.name, target, 30.0);
+      }
+      // The sensors of the moving platform share the horizon among them, three to a direction.
+      EXPECT_GE(seen, name == "moving_platform" ? 1.9 : 4.5) << name << ", target " << target.id;
+    }
+  }
+}
+
+TEST(ScenarioParams, DefaultScenarioIsThePapersBenchmark) {
+  const core::Scenario scenario = shipped("six_sensors_paper");
+  for (const double time : {0.0, 1.0, 4.0, 100.0}) {
+    const core::AngularState truth = *core::truthAt(scenario, scenario.targets.at(0), time);
+    EXPECT_NEAR(truth.mean(0), core::wrapAngle(std::sin(time)), 1e-12);
+    EXPECT_NEAR(truth.mean(1), std::cos(time), 1e-12);
+  }
+  for (const core::SimulatedSensor& sensor : scenario.sensors) {
+    const double sigma = sensor.name.find("acquisition") == 0 ? 0.15 : 0.08;
+    EXPECT_EQ(sensor.sigma, Eigen::Vector2d::Constant(sigma));
+    EXPECT_NEAR(core::expectedRate(sensor.timing), 100.0 / 3.0, 1e-9);
+    EXPECT_TRUE(sensor.sequence.empty());
+  }
+  EXPECT_TRUE(std::isinf(scenario.duration));
+}
+
+TEST(ScenarioParams, PaperFileSaysTheDefaultsOfTheCore) {
+  const core::Scenario scenario = shipped("six_sensors_paper");
+  const core::SimulatedSensor bare = loadText("targets: []\nsensors: {a: {}}").sensors.at(0);
+  const core::SimulatedSensor& tracking = sensorOf(scenario, "tracking_1");
+  EXPECT_EQ(tracking.sigma, bare.sigma);
+  EXPECT_EQ(tracking.relative_sigma, bare.relative_sigma);
+  EXPECT_EQ(tracking.bias, bare.bias);
+  EXPECT_EQ(tracking.field_of_view, bare.field_of_view);
+  EXPECT_EQ(tracking.clutter_density, bare.clutter_density);
+  EXPECT_EQ(tracking.mount_attitude, bare.mount_attitude);
+  EXPECT_EQ(tracking.mount_position, bare.mount_position);
+  EXPECT_EQ(tracking.ifov, bare.ifov);
+  EXPECT_TRUE(tracking.timing == bare.timing);
+  EXPECT_EQ(tracking.detection_probability, bare.detection_probability);
+  EXPECT_EQ(scenario.seed, core::Scenario{}.seed);
+}
+
+// ---- structure
+// ---------------------------------------------------------------------------------------------------
+
+TEST(ScenarioParams, SensorWinsOverItsGroup) {
+  const core::Scenario scenario = loadText(
+      "targets: []\n"
+      "groups: {fine: {ifov: 0.002, sigma: [0.1, 0.2], timing: {kind: fixed, rate: 20.0}, outages: [{from: "
+      "1.0}]}}\n"
+      "sensors:\n"
+      "  a: {group: fine, ifov: 0.003, timing: {rate: 25}}\n"
+      "  b: {group: fine, outages: []}\n"
+      "  c: {}\n");
+  const auto &a = sensorOf(scenario, "a"), &b = sensorOf(scenario, "b"), &c = sensorOf(scenario, "c");
+  EXPECT_EQ(a.ifov, 0.003);
+  EXPECT_EQ(a.sigma, Eigen::Vector2d(0.1, 0.2));
+  EXPECT_EQ(a.timing.kind, core::SightingTiming::Kind::fixed);
+  EXPECT_EQ(a.timing.rate, 25.0);
+  ASSERT_EQ(a.outages.size(), 1U);
+  EXPECT_TRUE(std::isinf(a.outages[0].to));
+  EXPECT_EQ(b.ifov, 0.002);
+  EXPECT_EQ(b.timing.rate, 20.0);
+  EXPECT_TRUE(b.outages.empty());
+  EXPECT_EQ(c.ifov, core::SimulatedSensor{}.ifov);
+}
+
+TEST(ScenarioParams, SynchronousGroupsLookAtTheSameTimes) {
+  const std::string sensors = "sensors: {a: {group: x}, b: {group: x}, c: {group: y}, d: {}}\ntargets: []\n";
+  const core::Scenario alone = loadText(sensors);
+  for (const auto& sensor : alone.sensors) EXPECT_EQ(sensor.sequence, "");
+  const core::Scenario together = loadText(sensors + "synchronous_groups: true\n");
+  EXPECT_EQ(sensorOf(together, "a").sequence, "x");
+  EXPECT_EQ(sensorOf(together, "b").sequence, "x");
+  EXPECT_EQ(sensorOf(together, "c").sequence, "y");
+  EXPECT_EQ(sensorOf(together, "d").sequence, "");
+}
+
+TEST(ScenarioParams, ZeroMeansForEverWhereATimeEnds) {
+  const core::Scenario scenario =
+      loadText("duration: 0.0\ntargets: [{trajectory: line, end: 0.0}, {end: 5}]");
+  EXPECT_TRUE(std::isinf(scenario.duration));
+  EXPECT_TRUE(std::isinf(scenario.targets[0].end));
+  EXPECT_EQ(scenario.targets[1].end, 5.0);
+  EXPECT_EQ(scenario.targets[1].id, 2U);
+}
+
+TEST(ScenarioParams, SeedChangesARandomTrajectory) {
+  const std::string targets = "targets: [{trajectory: white_acceleration, density: 0.1}]\n";
+  const auto angles = [&](const std::string& seed) {
+    const core::Scenario scenario = loadText(targets + seed);
+    return core::truthAt(scenario, scenario.targets[0], 3.0)->angles();
+  };
+  EXPECT_EQ(angles("seed: 3"), angles("seed: 3"));
+  EXPECT_NE(angles("seed: 3"), angles("seed: 4"));
+}
+
+TEST(ScenarioParams, EveryKindOfTrajectoryIsRead) {
+  const core::Scenario scenario = loadText(
+      "targets:\n"
+      "  - {trajectory: sinusoid, amplitude: [0.1, 0.2], frequency: [2, 3], phase: [0, 0], offset: [1, 0]}\n"
+      "  - {trajectory: line, angles: [0.1, 0.2], rates: [0.3, 0.4]}\n"
+      "  - {trajectory: weave, angles: [0.1, 0], rates: [0, 0], azimuth: [{from: 0, to: 1, constant: 2.0}]}\n"
+      "  - {trajectory: white_acceleration, density: 0.0, angles: [0.5, 0], rates: [0.1, 0]}\n"
+      "  - {trajectory: waypoints, waypoints: [{time: 0, angles: [0, 0]}, {time: 1, angles: [0.5, 0]}]}\n"
+      "  - {trajectory: waypoints, waypoints: [{time: 0, position: [9, 0, 0]}, {time: 1, position: [9, 9, "
+      "0]}]}\n"
+      "  - {trajectory: flight, position: [7, 0, 0], velocity: [0, 7, 0]}\n"
+      "  - {trajectory: zenith_pass, altitude: 10, zenith_distance: 0.1, closest_time: 1.0, speed: 1.0}\n"
+      "  - {trajectory: boost, site: [0, 10, 0], stages: [{acceleration: 19.80665, burn: 5, elevation_start: "
+      "deg(90)}]}\n");
+  const auto at = [&](std::size_t target, double time) {
+    return core::truthAt(scenario, scenario.targets.at(target), time)->angles();
+  };
+  EXPECT_NEAR(at(0, 0.5).x(), 1.0 + 0.1 * std::sin(1.0), 1e-12);
+  EXPECT_NEAR(at(1, 1.0).y(), 0.6, 1e-12);
+  EXPECT_NEAR(at(2, 1.0).x(), 1.1, 1e-12);
+  EXPECT_NEAR(at(3, 4.0).x(), 0.9, 1e-12);
+  EXPECT_NEAR(at(4, 1.0).x(), 0.5, 1e-12);
+  EXPECT_NEAR(at(5, 1.0).x(), M_PI / 4.0, 1e-12);
+  EXPECT_NEAR(at(6, 1.0).x(), M_PI / 4.0, 1e-12);
+  EXPECT_NEAR(at(7, 1.0).y(), M_PI / 2.0 - 0.1, 1e-12);
+  EXPECT_NEAR(at(8, std::sqrt(2.0)).y(), M_PI / 4.0, 1e-12);  // 10 m up at a net 10 m/s^2
+}
+
+TEST(ScenarioParams, EveryKindOfPlatformMotionIsRead) {
+  const auto at = [](const std::string& platform, double time) {
+    return core::platformAt(loadText("targets: []\nplatform: " + platform).platform, time).position;
+  };
+  EXPECT_LT((at("{motion: fixed, position: [1, 2, 3]}", 9.0) - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
+  EXPECT_LT((at("{motion: straight, velocity: [1, 2, 3]}", 2.0) - Eigen::Vector3d(2, 4, 6)).norm(), 1e-12);
+  EXPECT_LT((at("{motion: orbit, radius: 10, centre: [5, 0, 0]}", 0.0) - Eigen::Vector3d(15, 0, 0)).norm(),
+            1e-12);
+}
+
+// ---- refusals
+// ----------------------------------------------------------------------------------------------------
+
+TEST(ScenarioParams, MissingScenarioSaysWhatToLoad) {
+  EXPECT_EQ(refusalOf("{}"),
+            "/targets: expected a list of targets, but it is not set (load a file of config/scenarios here)");
+}
+
+TEST(ScenarioParams, UnknownKeysAreRefusedAtEveryLevel) {
+  EXPECT_NE(refusalOf("targets: []\nseeed: 1").find("did you mean"), std::string::npos);
+  EXPECT_NE(refusalOf("targets: [{trajectory: line, amplitude: [1, 1]}]").find("/targets[0]/amplitude"),
+            std::string::npos);
+  EXPECT_NE(refusalOf("targets: []\nsensors: {a: {timing: {rte: 3.0}}}").find("/sensors/a/timing/rte"),
+            std::string::npos);
+  EXPECT_NE(
+      refusalOf("targets: []\nsensors: {a: {group: g}}\ngroups: {g: {sigmas: 1.0}}").find("/groups/g/sigmas"),
+      std::string::npos);
+  EXPECT_NE(refusalOf("targets: []\nsensors: {a: {group: g}}\ngroups: {h: {ifov: 0.1}}").find("/groups/h"),
+            std::string::npos);
+}
+
+TEST(ScenarioParams, WrongValuesAreRefusedWithPlaceAndUnit) {
+  EXPECT_NE(refusalOf("targets: []\nsensors: {a: {sigma: [0.1]}}")
+                .find("/sensors/a/sigma: expected a list of 2 numbers [rad], got 1"),
+            std::string::npos);
+  EXPECT_NE(refusalOf("targets: []\nsensors: {a: {sigma: [1e-5, 1e-5]}}").find("/sensors/a/sigma"),
+            std::string::npos);
+  EXPECT_NE(
+      refusalOf("targets: []\nsensors: {a: {field_of_view: [60.0, 40.0]}}").find("/sensors/a/field_of_view"),
+      std::string::npos);
+  EXPECT_NE(refusalOf("targets: []\nsensors: {a: {latency: -0.1}}").find("[s]"), std::string::npos);
+  EXPECT_NE(
+      refusalOf("targets: [{trajectory: zigzag}]").find("/targets[0]/trajectory: expected one of boost, "),
+      std::string::npos);
+  EXPECT_NE(
+      refusalOf("targets: []\nplatform: {motion: orbit, angular_rate: 0.0}").find("/platform/motion: orbit"),
+      std::string::npos);
+  EXPECT_NE(refusalOf("targets: [{trajectory: boost}]").find("/targets[0]/trajectory: boost: a boost needs"),
+            std::string::npos);
+  EXPECT_NE(refusalOf("targets: [{trajectory: waypoints, waypoints: [{time: 0, angles: [0, 0]}, {time: 1}]}]")
+                .find("/targets[0]/waypoints[1]/angles"),
+            std::string::npos);
+  EXPECT_NE(refusalOf("targets: [{id: 3}, {id: 3}]").find("target 3: its id is given twice"),
+            std::string::npos);
+  EXPECT_NE(refusalOf("targets: []\nsensors: {2nd: {}}").find("a sensor's name must consist"),
+            std::string::npos);
+}
+
+}  // namespace
