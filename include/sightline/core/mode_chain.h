@@ -57,6 +57,7 @@ Motion<N> mixture(const Weights& weights, const Motion<N>* motions) {
     mixed.covariance += weights(i) * motions[i].covariance;
     mixed.covariance.noalias() += (weights(i) * offset) * offset.transpose();
   }
+  mixed.covariance = symmetric(mixed.covariance);
   return mixed;
 }
 
