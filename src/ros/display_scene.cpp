@@ -13,9 +13,10 @@ namespace {
 namespace core = sightline::core;
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr double kGateOpacity = 0.05;
-constexpr double kLabelDistance = 11.0 * kDegree;  // from the rim of the ellipse
+constexpr double kGateOpacity = 0.035;
+constexpr double kLabelDistance = 13.0 * kDegree;  // from the rim of the ellipse
 constexpr double kViewTolerance = 1.0;             // from the view's axis before it is turned [rad]
+constexpr double kHardlyMoving = 0.01;             // [rad/s]
 constexpr double kOutlineStep = 4.0 * kDegree;
 constexpr std::size_t kMaxSensors = 64;  // with another name than these nothing is kept
 constexpr const char* kMagnifierChannel = "magnifier";
@@ -45,13 +46,12 @@ double sigmaOf(const sightline::Track& track) {
 }
 
 /// Unit tangent vector beside the motion, where neither trail nor prediction is: on the side of the direction
-/// in which the camera looks. Below a target that stands still.
-Eigen::Vector2d sideOf(const core::AngularState& state, double view_azimuth) {
+/// in which the camera looks. Below a target that hardly moves.
+Eigen::Vector2d sideOf(const core::AngularState& state, const Eigen::Vector2d& view) {
   const Eigen::Vector2d motion(std::cos(state.angles().y()) * state.rates().x(), state.rates().y());
-  if (motion.norm() < 1e-6) return {0.0, -1.0};
+  if (motion.norm() < kHardlyMoving) return {0.0, -1.0};
   const Eigen::Vector2d side = Eigen::Vector2d(-motion.y(), motion.x()).normalized();
-  const Eigen::Vector3d view = core::directionOf({view_azimuth, 0.0});
-  return side.dot(tangentTo(state.angles(), view)) >= 0.0 ? side : Eigen::Vector2d(-side);
+  return side.dot(tangentTo(state.angles(), core::directionOf(view))) >= 0.0 ? side : Eigen::Vector2d(-side);
 }
 
 bool isAnythingIn(const MarkerArray& array) {
@@ -93,7 +93,7 @@ void DisplayScene::restartWhenBack(double now) {
     sensors_.clear();
     trackers_.clear();
     truth_.clear();
-    view_azimuth_.reset();
+    view_.reset();
   }
   newest_ = now;
 }
@@ -216,8 +216,8 @@ Marker DisplayScene::labelMarker(const sightline::Track& track) const {
   const core::AngularState state = toCore(track).state;
   const double distance = std::min(2.0 * sigmaOf(track), 0.3) + kLabelDistance;
   return textMarker(params_.canvas, "labels", static_cast<int>(track.id),
-                    walk(state.angles(), distance * sideOf(state, viewAzimuth())),
-                    labelOf(track) + errorText(track), 2.5 * kDegree, mainColour());
+                    walk(state.angles(), distance * sideOf(state, view())), labelOf(track) + errorText(track),
+                    2.5 * kDegree, mainColour());
 }
 
 void DisplayScene::drawSources(Marker& lines, const sightline::Track& track, double now) const {
@@ -258,7 +258,7 @@ std::string DisplayScene::errorText(const sightline::Track& track) const {
 
 void DisplayScene::drawTruth(MarkerArray& array) const {
   Marker paths = lineSheet(params_.canvas, "paths", 0.12 * kDegree);
-  Marker targets = lineSheet(params_.canvas, "targets", 0.2 * kDegree);
+  Marker targets = lineSheet(params_.canvas, "targets", 0.3 * kDegree);
   for (const sightline::Track& target : truth_.newest().tracks) {
     drawFadingLine(paths, params_.canvas, trailOf(truth_.pathOf(target.id)), truthColour());
     drawCross(targets, params_.canvas, {target.azimuth, target.elevation}, 4.0 * kDegree, truthColour());
@@ -269,10 +269,13 @@ void DisplayScene::drawTruth(MarkerArray& array) const {
 void DisplayScene::aimView() {
   const auto direction = attention();
   if (!direction) return;
-  const double azimuth = core::anglesOf(*direction).x();
-  const double off = core::wrapAngle(azimuth - view_azimuth_.value_or(azimuth));
-  const double beyond = off - std::clamp(off, -kViewTolerance, kViewTolerance);
-  view_azimuth_ = core::wrapAngle(view_azimuth_.value_or(azimuth) + beyond);
+  const Eigen::Vector2d target = core::anglesOf(*direction);
+  if (!view_) view_ = {target.x(), 0.0};
+  const Eigen::Vector2d from_target = tangentTo(target, core::directionOf(*view_));
+  const double distance = from_target.norm();
+  if (distance > kViewTolerance) {
+    view_ = core::anglesOf(walk(target, kViewTolerance / distance * from_target));
+  }
 }
 
 std::optional<Eigen::Vector3d> DisplayScene::attention() const {
@@ -306,7 +309,7 @@ void DisplayScene::drawMagnified(MarkerArray& array, double now) {
   if (track && Magnifier::isNeededFor(two_sigma)) {
     magnification_ = Magnifier::factorFor(two_sigma, magnification_);
     const core::AngularState state = toCore(*track).state;
-    const Magnifier magnifier(state.angles(), sideOf(state, viewAzimuth()), magnification_);
+    const Magnifier magnifier(state.angles(), sideOf(state, view()), magnification_);
     magnifier.drawRim(rim, params_.canvas, dimmed(mainColour(), 0.7));
     array.markers.push_back(magnifier.label(params_.canvas, mainColour()));
     magnifySightings(dots, magnifier, track->id, now);

@@ -239,10 +239,13 @@ MarkerArray fieldOfViewMarkers(Canvas canvas, const FieldOfView& view, const Pla
   for (std::size_t i = place.index; i + 1 < outline.size(); i += place.count) {
     drawLine(array.markers.back(), canvas, {outline[i], outline[i + 1]}, colour);
   }
-  // At the left rim, inside where there is room, one below the other.
-  const double aside = view.half_width.x() > 0.4 ? -kNameWidth : kNameWidth;
+  // One below the other: inside the left rim where there is room, else above.
+  const bool is_wide = view.half_width.x() > 0.4;
+  const double middle =
+      is_wide ? 0.0 : view.half_width.y() + (0.5 * static_cast<double>(place.count) + 1.0) * kNameSpacing;
   const double lines_up = 0.5 * static_cast<double>(place.count - 1) - static_cast<double>(place.index);
-  const Eigen::Vector2d name(view.half_width.x() + aside, lines_up * kNameSpacing);
+  const Eigen::Vector2d name(is_wide ? view.half_width.x() - kNameWidth : 0.0,
+                             middle + lines_up * kNameSpacing);
   array.markers.push_back(
       textMarker(canvas, "name", 0, sightline::core::directionOf(name), view.sensor, kTextHeight, colour));
   for (Marker& marker : array.markers) marker.frame_locked = true;

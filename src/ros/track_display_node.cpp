@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
+
+#include <Eigen/Geometry>
 
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/ros.h>
@@ -222,15 +223,19 @@ void TrackDisplayNode::publish(const std::string& channel, const MarkerArray& ma
 }
 
 void TrackDisplayNode::aimView() {
-  const double azimuth = scene_.viewAzimuth();
-  if (params_.view_frame.empty() || aimed_ == azimuth) return;
-  aimed_ = azimuth;
+  const Eigen::Vector2d view = scene_.view();
+  if (params_.view_frame.empty() || aimed_ == view) return;
+  aimed_ = view;
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = ros::Time::now();
   transform.header.frame_id = params_.frames.tracking_frame;
   transform.child_frame_id = params_.view_frame;
-  transform.transform.rotation.z = std::sin(0.5 * azimuth);
-  transform.transform.rotation.w = std::cos(0.5 * azimuth);
+  const Eigen::Quaterniond turn = Eigen::AngleAxisd(view.x(), Eigen::Vector3d::UnitZ()) *
+                                  Eigen::AngleAxisd(-view.y(), Eigen::Vector3d::UnitY());
+  transform.transform.rotation.x = turn.x();
+  transform.transform.rotation.y = turn.y();
+  transform.transform.rotation.z = turn.z();
+  transform.transform.rotation.w = turn.w();
   view_broadcaster_.sendTransform(transform);
 }
 

@@ -193,16 +193,24 @@ TEST_F(Scene, TracksThatAreNotFiniteAreLeftOut) {
 }
 
 TEST_F(Scene, ViewGoesToTheSightingsThenToTheMainTrackWhichTakesItAlong) {
-  EXPECT_EQ(scene.viewAzimuth(), 0.0);
-  scene.addScan(scanAt("right", 1.0, 2.5, 0.0), 1.0);
+  EXPECT_EQ(scene.view(), Eigen::Vector2d(0.0, 0.0));
+  scene.addScan(scanAt("right", 1.0, 2.5, 0.3), 1.0);
   scene.draw(1.0);
-  EXPECT_NEAR(scene.viewAzimuth(), 2.5, 1e-9);
+  EXPECT_LT((scene.view() - Eigen::Vector2d(2.5, 0.0)).norm(), 1e-9);
   scene.addTracks(DisplayScene::kMainChannel, report(1.1, {track(1, 3.1, 0.0)}), 1.1);
   scene.draw(1.1);
-  EXPECT_NEAR(scene.viewAzimuth(), 2.5, 1e-9);  // near enough
+  EXPECT_LT((scene.view() - Eigen::Vector2d(2.5, 0.0)).norm(), 1e-9);  // near enough
   scene.addTracks(DisplayScene::kMainChannel, report(1.2, {track(1, -2.5, 0.0)}), 1.2);
   scene.draw(1.2);
-  EXPECT_NEAR(scene.viewAzimuth(), core::wrapAngle(-2.5 - 1.0), 1e-9);  // across the wrap
+  EXPECT_NEAR(scene.view().x(), core::wrapAngle(-2.5 - 1.0), 1e-9);  // across the wrap
+}
+
+TEST_F(Scene, ViewFollowsATargetToTheZenith) {
+  const double zenith = std::acos(0.0);
+  scene.addTracks(DisplayScene::kMainChannel, report(1.0, {track(1, 0.4, zenith)}), 1.0);
+  scene.draw(1.0);
+  EXPECT_NEAR(scene.view().x(), 0.4, 1e-9);
+  EXPECT_NEAR(scene.view().y(), zenith - 1.0, 1e-9);
 }
 
 TEST_F(Scene, PictureStaysBoundedWhateverComesIn) {

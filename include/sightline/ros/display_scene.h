@@ -51,10 +51,10 @@ class DisplayScene {
   /// markers.
   std::map<std::string, MarkerArray> draw(double now);
 
-  /// Azimuth [rad] to which a camera should look: it keeps still while a believed main track, or the latest
-  /// sighting when there is none, is within 1 rad of it, and is taken along beyond. 0 before there is
-  /// anything.
-  double viewAzimuth() const { return view_azimuth_.value_or(0.0); }
+  /// Where a camera should look (azimuth, elevation) [rad]: to the horizon below the first thing seen. It
+  /// keeps still while a believed main track, or the latest sighting when there is none, is within 1 rad of
+  /// it, and is taken along beyond. Along the frame's x axis before there is anything.
+  Eigen::Vector2d view() const { return view_.value_or(Eigen::Vector2d::Zero()); }
 
  private:
   using Sheets = std::map<std::string, MarkerArray>;
@@ -88,10 +88,10 @@ class DisplayScene {
   std::map<std::string, SightingMemory> sensors_;
   std::map<std::string, TrackMemory> trackers_;
   TrackMemory truth_;
-  double newest_ = 0.0;                 // the latest `now` [s]
-  std::optional<double> view_azimuth_;  // [rad]
-  double magnification_ = 0.0;          // 0 = none at present
-  std::set<std::string> full_;          // channels that had markers at the last call
+  double newest_ = 0.0;                  // the latest `now` [s]
+  std::optional<Eigen::Vector2d> view_;  // (azimuth, elevation) [rad]
+  double magnification_ = 0.0;           // 0 = none at present
+  std::set<std::string> full_;           // channels that had markers at the last call
 };
 
 }  // namespace sightline_ros

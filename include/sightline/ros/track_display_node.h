@@ -85,7 +85,7 @@ class TrackDisplayNode {
   ros::Publisher grid_publisher_;
   ros::Publisher all_publisher_;
   tf2_ros::StaticTransformBroadcaster view_broadcaster_;
-  std::optional<double> aimed_;  // azimuth of the view frame's x axis that was published [rad]
+  std::optional<Eigen::Vector2d> aimed_;  // (azimuth, elevation) of the view frame that was published [rad]
   ros::WallTimer publish_timer_;
   ros::WallTimer static_timer_;
 };
