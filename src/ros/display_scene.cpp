@@ -17,8 +17,9 @@ constexpr double kGateOpacity = 0.035;
 constexpr double kLabelDistance = 13.0 * kDegree;  // from the rim of the ellipse
 constexpr double kViewTolerance = 1.0;             // from the view's axis before it is turned [rad]
 constexpr double kHardlyMoving = 0.01;             // [rad/s]
+constexpr double kClockStep = 1.0;                 // backwards, from which a recording starts anew [s]
 constexpr double kOutlineStep = 4.0 * kDegree;
-constexpr std::size_t kMaxSensors = 64;  // with another name than these nothing is kept
+constexpr std::size_t kMaxSensors = 64;  // at once; of others nothing is kept
 constexpr const char* kMagnifierChannel = "magnifier";
 
 Directions trailOf(const std::deque<core::TruthSample>& path) {
@@ -89,7 +90,7 @@ void DisplayScene::addTruth(const sightline::TrackArray& truth, double now) {
 }
 
 void DisplayScene::restartWhenBack(double now) {
-  if (now < newest_) {
+  if (now < newest_ - kClockStep) {
     sensors_.clear();
     trackers_.clear();
     truth_.clear();
@@ -110,6 +111,7 @@ std::map<std::string, MarkerArray> DisplayScene::draw(double now) {
     sightings.forgetBefore(now - params_.sighting_time);
     drawSightings(sheets[sensor], sensor, now);
   }
+  forgetSilentSensors();
   for (auto& [channel, tracker] : trackers_) {
     if (!isHeard(tracker, now)) tracker.clear();
     if (channel == kMainChannel) {
@@ -123,6 +125,12 @@ std::map<std::string, MarkerArray> DisplayScene::draw(double now) {
   drawMagnified(sheets[kMagnifierChannel], now);
   dropWhatStaysEmpty(sheets);
   return sheets;
+}
+
+void DisplayScene::forgetSilentSensors() {
+  for (auto sensor = sensors_.begin(); sensor != sensors_.end();) {
+    sensor = sensor->second.seen().empty() ? sensors_.erase(sensor) : std::next(sensor);
+  }
 }
 
 void DisplayScene::dropWhatStaysEmpty(Sheets& sheets) {
@@ -335,31 +343,38 @@ void DisplayScene::magnifySightings(Marker& dots, const Magnifier& magnifier, st
 }
 
 void DisplayScene::magnifyTracks(Marker& lines, const Magnifier& magnifier,
-                                 const sightline::Track& track) const {
-  const TrackMemory& main = trackers_.at(kMainChannel);
-  const auto ellipse = [&](const sightline::Track& shown, const Eigen::Vector2d& then, const Colour& colour) {
-    const core::AngularState state = toCore(shown).state;
-    const Eigen::Vector2d place = magnifier.place(core::directionOf(state.angles()), then);
-    if (!magnifier.shows(place)) return;
+                                 const sightline::Track& main) const {
+  const auto drawEllipse = [&](const sightline::Track& track, const Eigen::Vector2d& place,
+                               const Colour& colour) {
+    const core::AngularState state = toCore(track).state;
     magnifier.drawEllipse(lines, params_.canvas, place,
                           magnifier.magnified(state.angles(), state.anglesCovariance()), colour);
   };
-  ellipse(track, {track.azimuth, track.elevation}, mainColour());
+  drawEllipse(main, magnifier.centre(), mainColour());
   for (const auto& [channel, tracker] : trackers_) {
-    const auto then = main.anglesAt(track.id, toCore(tracker.newest().header.stamp));
-    if (channel == kMainChannel || !then) continue;
+    if (channel == kMainChannel) continue;
     for (const sightline::Track& local : tracker.newest().tracks) {
-      if (isBelieved(local)) ellipse(local, *then, dimmed(colours_.of(channel), 0.8));
+      const auto place = placeBeside(main.id, tracker, local.id, magnifier);
+      if (place && isBelieved(local)) drawEllipse(local, *place, dimmed(colours_.of(channel), 0.8));
     }
   }
-  const core::Time common = toCore(std::min(main.newest().header.stamp, truth_.newest().header.stamp));
-  const auto then = main.anglesAt(track.id, common);
   for (const sightline::Track& target : truth_.newest().tracks) {
-    const auto truth = truth_.anglesAt(target.id, common);
-    if (!then || !truth) continue;
-    const Eigen::Vector2d place = magnifier.place(core::directionOf(*truth), *then);
-    if (magnifier.shows(place)) drawCross(lines, params_.canvas, place, 1.5 * kDegree, truthColour());
+    const auto place = placeBeside(main.id, truth_, target.id, magnifier);
+    if (place) drawCross(lines, params_.canvas, *place, 1.5 * kDegree, truthColour());
   }
+}
+
+std::optional<Eigen::Vector2d> DisplayScene::placeBeside(std::uint32_t main_track, const TrackMemory& tracker,
+                                                         std::uint32_t track,
+                                                         const Magnifier& magnifier) const {
+  const TrackMemory& main = trackers_.at(kMainChannel);
+  const core::Time common = toCore(std::min(main.newest().header.stamp, tracker.newest().header.stamp));
+  const auto main_angles = main.anglesAt(main_track, common);
+  const auto angles = tracker.anglesAt(track, common);
+  if (!main_angles || !angles) return std::nullopt;
+  const Eigen::Vector2d place = magnifier.place(core::directionOf(*angles), *main_angles);
+  if (!magnifier.shows(place)) return std::nullopt;
+  return place;
 }
 
 }  // namespace sightline_ros

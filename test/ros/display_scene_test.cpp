@@ -176,6 +176,22 @@ TEST_F(Scene, ErrorsTooSmallToBeSeenAreMagnified) {
   EXPECT_EQ(find(sheets, "magnifier", "sightings and tracks")->points.size(), 1U);
 }
 
+TEST_F(Scene, MagnifiedTracksAreComparedAtACommonTime) {
+  // The local tracker and the truth are ahead of the main track, and all of them move.
+  const auto moving = [](double time) { return track(1, 0.5 * time, 0.0, 1e-5); };
+  for (const double time : {1.0, 1.1}) {
+    scene.addTracks(DisplayScene::kMainChannel, report(time, {moving(time)}), time);
+  }
+  for (const double time : {1.05, 1.15}) {
+    scene.addTracks("left", report(time, {moving(time)}), time);
+    scene.addTruth(report(time, {moving(time)}), time);
+  }
+  const Sheets sheets = scene.draw(1.15);
+  const Marker* lines = find(sheets, "magnifier", "2-sigma ellipses and truth");
+  ASSERT_NE(lines, nullptr);
+  EXPECT_EQ(lines->points.size(), 2U * (48U + 48U + 2U));  // two ellipses and a cross
+}
+
 TEST_F(Scene, RecordingThatStartsAgainStartsAnEmptyScene) {
   scene.addScan(scanAt("left", 100.0, 0.1, 0.2), 100.0);
   scene.addTracks("left", report(100.0, {track(1, 0.0, 0.0)}), 100.0);

@@ -29,8 +29,8 @@ struct DisplayParams {
 
 /// What is seen now, from messages in to markers out. Things are drawn in channels, one for each sensor or
 /// tracker by name, so that each can be switched off; the main track and the truth have theirs.
-/// `now` is the time of receipt [s], never going back but when a recording starts anew: then all is
-/// forgotten.
+/// `now` is the time of receipt [s], never going back by more than 1 s but when a recording starts anew: then
+/// all is forgotten.
 class DisplayScene {
  public:
   static constexpr const char* kMainChannel = "fusion";
@@ -62,6 +62,7 @@ class DisplayScene {
   bool isHeard(const TrackMemory& memory, double now) const;
   void restartWhenBack(double now);
   void aimView();
+  void forgetSilentSensors();
   void dropWhatStaysEmpty(Sheets& sheets);
 
   void drawSightings(MarkerArray& array, const std::string& sensor, double now) const;
@@ -74,7 +75,12 @@ class DisplayScene {
 
   void drawMagnified(MarkerArray& array, double now);
   void magnifySightings(Marker& dots, const Magnifier& magnifier, std::uint32_t track, double now) const;
-  void magnifyTracks(Marker& lines, const Magnifier& magnifier, const sightline::Track& track) const;
+  void magnifyTracks(Marker& lines, const Magnifier& magnifier, const sightline::Track& main) const;
+
+  /// Where in the inset a track is shown, by its offset from the main track at the latest time that both
+  /// know; nullopt outside of it.
+  std::optional<Eigen::Vector2d> placeBeside(std::uint32_t main_track, const TrackMemory& tracker,
+                                             std::uint32_t track, const Magnifier& magnifier) const;
 
   Colour colourOf(const std::string& sensor, const SightingMemory::Seen& seen, double now) const;
   std::optional<Eigen::Vector3d> attention() const;
