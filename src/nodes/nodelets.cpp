@@ -4,7 +4,11 @@
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "sightline/ros/local_tracker_node.h"
 #include "sightline/ros/sensor_simulator_node.h"
+#include "sightline/ros/track_display_node.h"
+#include "sightline/ros/track_evaluator_node.h"
+#include "sightline/ros/track_fusion_node.h"
 #include "sightline/ros/truth_publisher_node.h"
 
 namespace sightline_ros {
@@ -25,12 +29,18 @@ class NodeletOf : public nodelet::Nodelet {
   std::unique_ptr<Node> node_;
 };
 
-// Each class as `using XxxNodelet = NodeletOf<XxxNode>;` here and in nodelets.xml, exported below.
+using LocalTrackerNodelet = NodeletOf<LocalTrackerNode>;
 using SensorSimulatorNodelet = NodeletOf<SensorSimulatorNode>;
 using TruthPublisherNodelet = NodeletOf<TruthPublisherNode>;
 using TrackDisplayNodelet = NodeletOf<TrackDisplayNode>;
+using TrackEvaluatorNodelet = NodeletOf<TrackEvaluatorNode>;
+using TrackFusionNodelet = NodeletOf<TrackFusionNode>;
 
 }  // namespace sightline_ros
+
+PLUGINLIB_EXPORT_CLASS(sightline_ros::LocalTrackerNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::SensorSimulatorNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::TruthPublisherNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::TrackDisplayNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(sightline_ros::TrackEvaluatorNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(sightline_ros::TrackFusionNodelet, nodelet::Nodelet)

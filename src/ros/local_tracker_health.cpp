@@ -15,6 +15,7 @@ using diagnostic_msgs::DiagnosticStatus;
 namespace {
 
 constexpr double kSecondsBetweenWarnings = 5.0;
+constexpr double kDefaultSilence = 2.0;  // [s]
 const char* const kRejectedSightings = "sightings rejected";
 
 /// The first reason that an association gives for rejecting a sighting.
@@ -32,6 +33,10 @@ std::string kindOfComplaint(const TrackerReport& report) {
 }
 
 }  // namespace
+
+double LocalTrackerHealth::silenceFrom(const ParamReader& reader) {
+  return reader.number("silence", kDefaultSilence, above(0.0), "s");
+}
 
 void LocalTrackerHealth::note(const TrackerReport& report) {
   const bool was_used = report.drop_reason.empty();

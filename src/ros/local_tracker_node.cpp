@@ -12,7 +12,6 @@ namespace {
 constexpr std::uint32_t kQueue = 1000;                 // messages a topic
 constexpr double kSecondsBetweenTimeoutChecks = 0.02;  // of the wall's clock
 constexpr double kSecondsBetweenDiagnostics = 1.0;     // of the wall's clock
-constexpr double kDefaultSilence = 2.0;                // [s]
 
 sightline::core::Time clockNow() {
   return toCore(ros::Time::now());
@@ -31,7 +30,7 @@ LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
 LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh, const ParamReader& reader)
     : nh_(nh),
       component_(reader, nameOfNode(pnh), transforms_),
-      health_(reader.number("silence", kDefaultSilence, above(0.0), "s")),
+      health_(LocalTrackerHealth::silenceFrom(reader)),
       diagnostics_(nh, pnh, pnh.getNamespace()) {
   const std::vector<std::string> topics = reader.requiredTexts("sighting_topics");
   reader.finish();

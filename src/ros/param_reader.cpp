@@ -276,11 +276,20 @@ ParamReader ParamReader::sub(const std::string& key) const {
   return {std::make_shared<XmlRpcValue>(value != nullptr ? *value : XmlRpcValue()), fullName(key), memory_};
 }
 
+ParamReader ParamReader::with(const std::string& key, const XmlRpcValue& value) const {
+  auto tree = std::make_shared<XmlRpcValue>(*tree_);
+  (*tree)[key] = value;
+  return {tree, name_, memory_};
+}
+
 std::vector<ParamReader> ParamReader::list(const std::string& key) const {
   memory_->entered.insert(fullName(key));
   std::vector<ParamReader> readers;
   XmlRpcValue* value = find(key);
-  if (value == nullptr) return readers;
+  if (value == nullptr) {
+    memory_->differences.insert(fullName(key));
+    return readers;
+  }
   if (value->getType() != XmlRpcValue::TypeArray) throw complaint(fullName(key), "a list of maps", *value);
   for (int i = 0; i < value->size(); ++i) {
     if ((*value)[i].getType() != XmlRpcValue::TypeStruct) {

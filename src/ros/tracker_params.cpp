@@ -11,6 +11,7 @@ namespace core = sightline::core;
 namespace {
 
 constexpr int kMany = std::numeric_limits<int>::max();
+constexpr int kMostNogaRows = 62;
 
 /// The names of an enumeration in the order of its values, from 0.
 using Names = std::vector<std::string>;
@@ -21,6 +22,9 @@ const Names kTimeWeights = {"none", "linear", "exponential"};
 const Names kSensorWeights = {"variance", "ifov"};
 const Names kAnchors = {"fit", "raw"};
 const Names kTwblsCovariances = {"residual", "sandwich", "fit_error"};
+const Names kForms = {"paper", "consistent"};
+const Names kResponses = {"straight", "harmonic", "fixed_harmonic"};
+const Names kNogaCovariances = {"residual", "printed"};
 
 template <typename Enum>
 Enum chosen(const ParamReader& reader, const std::string& key, Enum fallback, const Names& names) {
@@ -28,6 +32,60 @@ Enum chosen(const ParamReader& reader, const std::string& key, Enum fallback, co
   std::size_t value = 0;
   while (names[value] != name) ++value;
   return static_cast<Enum>(value);
+}
+
+double initialRateSigma(const ParamReader& reader, double fallback) {
+  return reader.number("initial_rate_sigma", fallback, above(0.0), "rad/s");
+}
+
+core::ProcessNoise loadProcessNoise(const ParamReader& reader, const core::ProcessNoise& fallback,
+                                    int power) {
+  core::ProcessNoise noise;
+  const std::string unit = "s^" + std::to_string(power);
+  noise.density = reader.number("process_noise", fallback.density, atLeast(0.0), "rad^2/" + unit);
+  noise.ratio = reader.number("process_noise_ratio", fallback.ratio, atLeast(0.0), "1/" + unit);
+  if (noise.density == 0.0 && noise.ratio == 0.0) {
+    throw reader.error("process_noise_ratio",
+                       "expected a number > 0 here or in process_noise, got 0 in both");
+  }
+  return noise;
+}
+
+core::ImmModel loadImmModel(const ParamReader& reader, const core::ImmModel& fallback) {
+  core::ImmModel model;
+  model.order = reader.integer("order", fallback.order, 1, 2);
+  model.noise = loadProcessNoise(reader, fallback.noise, model.order == 1 ? 3 : 5);
+  return model;
+}
+
+core::ProcessNoise loadAcceleration(const ParamReader& reader, const core::ProcessNoise& fallback) {
+  return loadProcessNoise(reader, fallback, 3);
+}
+
+core::ResponseModel loadResponseModel(const ParamReader& reader, const core::ResponseModel& fallback) {
+  core::ResponseModel model;
+  model.kind = chosen(reader, "response", fallback.kind, kResponses);
+  model.q = reader.number("q", fallback.q, atLeast(0.0));
+  model.q_kappa = reader.number("q_kappa", fallback.q_kappa, atLeast(0.0), "1/s^5");
+  model.kappa = reader.number("kappa", fallback.kappa, anyNumber(), "1/s^2");
+  return model;
+}
+
+/// A list of maps, each read by `load` with the fallback of its place.
+template <typename Model, typename Load>
+std::vector<Model> loadBank(const ParamReader& reader, const std::string& key,
+                            const std::vector<Model>& fallback, Load load) {
+  const std::vector<ParamReader> readers = reader.list(key);
+  if (!reader.has(key)) return fallback;
+  if (readers.empty() || readers.size() > static_cast<std::size_t>(core::kMaxModes)) {
+    throw reader.error(key, "expected a list of 1 to " + std::to_string(core::kMaxModes) + " maps, got " +
+                                std::to_string(readers.size()));
+  }
+  std::vector<Model> models;
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    models.push_back(load(readers[i], i < fallback.size() ? fallback[i] : Model{}));
+  }
+  return models;
 }
 
 }  // namespace
@@ -56,6 +114,7 @@ core::LifecycleParams loadLifecycleParams(const ParamReader& reader, core::Lifec
   params.coast_silence = reader.number("coast_silence", params.coast_silence, above(0.0), "s");
   params.delete_misses = reader.integer("delete_misses", params.delete_misses, 1, kMany);
   params.delete_silence = reader.number("delete_silence", params.delete_silence, above(0.0), "s");
+  params.max_spread = reader.number("max_spread", params.max_spread, above(1.0));
   return params;
 }
 
@@ -68,15 +127,65 @@ core::TwblsParams loadTwblsParams(const ParamReader& reader, core::TwblsParams p
   params.sensor_weight = chosen(reader, "sensor_weight", params.sensor_weight, kSensorWeights);
   params.anchor = chosen(reader, "anchor", params.anchor, kAnchors);
   params.covariance = chosen(reader, "covariance", params.covariance, kTwblsCovariances);
-  params.initial_rate_sigma =
-      reader.number("initial_rate_sigma", params.initial_rate_sigma, above(0.0), "rad/s");
+  params.initial_rate_sigma = initialRateSigma(reader, params.initial_rate_sigma);
+  return params;
+}
+
+core::NogaParams loadNogaParams(const ParamReader& reader, core::NogaParams params) {
+  params.rows = reader.integer("rows", params.rows, 3, kMostNogaRows);
+  params.weighted = reader.flag("weighted", params.weighted);
+  params.feedback = reader.flag("feedback", params.feedback);
+  params.covariance = chosen(reader, "covariance", params.covariance, kNogaCovariances);
+  params.initial_rate_sigma = initialRateSigma(reader, params.initial_rate_sigma);
+  return params;
+}
+
+core::TwblsConsistentParams loadTwblsConsistentParams(const ParamReader& reader,
+                                                      core::TwblsConsistentParams params) {
+  params.process_noises = loadBank(reader, "process_noises", params.process_noises, loadAcceleration);
+  params.max_sightings = reader.integer("max_sightings", params.max_sightings, 3, 100000);
+  params.memory = reader.number("memory", params.memory, above(0.0), "s");
+  params.initial_rate_sigma = initialRateSigma(reader, params.initial_rate_sigma);
+  return params;
+}
+
+core::NogaConsistentParams loadNogaConsistentParams(const ParamReader& reader,
+                                                    core::NogaConsistentParams params) {
+  params.models = loadBank(reader, "models", params.models, loadResponseModel);
+  params.amplitude = reader.number("amplitude", params.amplitude, atLeast(0.0), "rad");
+  params.initial_rate_sigma = initialRateSigma(reader, params.initial_rate_sigma);
+  params.dwell = reader.number("dwell", params.dwell, above(0.0), "s");
+  params.outlier_share = reader.number("outlier_share", params.outlier_share, Range{0.0, 1.0, false, true});
+  params.outlier_width = reader.number("outlier_width", params.outlier_width, above(0.0), "amplitudes");
+  return params;
+}
+
+core::KalmanParams loadKalmanParams(const ParamReader& reader, core::KalmanParams params) {
+  params.process_noise = reader.number("process_noise", params.process_noise, atLeast(0.0), "rad^2/s^3");
+  params.process_noise_ratio =
+      reader.number("process_noise_ratio", params.process_noise_ratio, above(0.0), "1/s^3");
+  params.initial_rate_sigma = initialRateSigma(reader, params.initial_rate_sigma);
+  return params;
+}
+
+core::ImmParams loadImmParams(const ParamReader& reader, core::ImmParams params) {
+  params.models = loadBank(reader, "models", params.models, loadImmModel);
+  params.dwell = reader.number("dwell", params.dwell, above(0.0), "s");
+  params.initial_rate_sigma = initialRateSigma(reader, params.initial_rate_sigma);
+  params.initial_acceleration_sigma =
+      reader.number("initial_acceleration_sigma", params.initial_acceleration_sigma, above(0.0), "rad/s^2");
   return params;
 }
 
 core::EstimatorParams loadEstimatorParams(const ParamReader& reader, core::EstimatorParams params) {
   params.kind = chosen(reader, "estimator", params.kind, kEstimators);
-  params.twbls = loadTwblsParams(reader.sub("twbls"), params.twbls);
-  params.noga = loadNogaParams(reader.sub("noga"), params.noga);
+  const ParamReader twbls = reader.sub("twbls"), noga = reader.sub("noga");
+  params.twbls_form = chosen(twbls, "form", params.twbls_form, kForms);
+  params.twbls = loadTwblsParams(twbls.sub("paper"), params.twbls);
+  params.twbls_consistent = loadTwblsConsistentParams(twbls.sub("consistent"), params.twbls_consistent);
+  params.noga_form = chosen(noga, "form", params.noga_form, kForms);
+  params.noga = loadNogaParams(noga.sub("paper"), params.noga);
+  params.noga_consistent = loadNogaConsistentParams(noga.sub("consistent"), params.noga_consistent);
   params.kalman = loadKalmanParams(reader.sub("kalman"), params.kalman);
   params.imm = loadImmParams(reader.sub("imm"), params.imm);
   return params;

@@ -49,6 +49,7 @@ class LocalTrackerComponent {
   const std::string& estimator() const { return estimator_; }
   const std::string& trackingFrame() const { return frames_.params().tracking_frame; }
   double maxLag() const { return max_lag_; }  ///< lateness up to which a scan is put in its place [s]
+  double maxFuture() const { return frames_.params().max_future; }  ///< [s]
   double tfTimeout() const { return frames_.params().tf_timeout; }  ///< [s]
 
  private:

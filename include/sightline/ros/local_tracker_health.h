@@ -10,6 +10,7 @@
 
 #include "sightline/core/time.h"
 #include "sightline/ros/local_tracker_component.h"
+#include "sightline/ros/param_reader.h"
 
 namespace sightline_ros {
 
@@ -17,6 +18,9 @@ namespace sightline_ros {
 /// sighting, tracks by status. Times are the clock's, handed in.
 class LocalTrackerHealth {
  public:
+  /// Reads `silence` of this level [s].
+  static double silenceFrom(const ParamReader& reader);
+
   /// `silence`: without a scan for so long the tracker is reported as starved [s].
   explicit LocalTrackerHealth(double silence) : silence_(silence) {}
 

@@ -55,6 +55,9 @@ class ParamReader {
   /// The sub-namespace `key`; empty when it is not there.
   ParamReader sub(const std::string& key) const;
 
+  /// The same tree with one key set to another value, for what a command line overrides.
+  ParamReader with(const std::string& key, const XmlRpc::XmlRpcValue& value) const;
+
   /// Each element of a list of maps; empty when the key is not there.
   std::vector<ParamReader> list(const std::string& key) const;
 

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+namespace sightline_ros {
+
+struct ReplaySettings {
+  std::string
+      config;  ///< YAML file with the sections local_tracker, sensor_fusion, track_fusion; empty = defaults
+  std::string estimator;  ///< of every tracker, instead of what the configuration says; empty = as it says
+  std::string rule;       ///< of the fusion, likewise
+};
+
+/// What a replay did.
+struct ReplaySummary {
+  std::size_t scans = 0;
+  std::size_t sightings = 0;
+  std::size_t track_messages = 0;
+  std::size_t copied_messages = 0;
+  double recorded = 0.0;                      ///< from the first scan to the last [s]
+  std::map<std::string, std::size_t> drops;   ///< "tracker: reason" to how often
+  std::map<std::string, std::string> topics;  ///< sensor to its topic, where that is not simply its name
+};
+
+/// Runs the local trackers and the fusion over a recording: one tracker for each sensor
+/// (/sensors/<sensor>/tracks), one over all sightings (/sensor_fusion/tracks), and the fusion of the former
+/// (/fusion/tracks), with associations and reports beside them. Every message of `in` that is not replaced by
+/// these is copied to `out`.
+///
+/// Scans are followed in the order of their stamps, however they arrived within `max_lag`; one that arrives
+/// later is dropped. The same input and configuration give the same messages, byte for byte. Throws
+/// ParamError or std::runtime_error; `out` is only there when all went well.
+ReplaySummary replay(const std::string& in, const std::string& out, const ReplaySettings& settings);
+
+}  // namespace sightline_ros

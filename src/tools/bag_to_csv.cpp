@@ -1,0 +1,25 @@
+#include <iostream>
+
+#include "sightline/ros/command_line.h"
+#include "sightline/ros/csv_recordings.h"
+
+namespace {
+
+const char* const kUsage =
+    "Usage: bag_to_csv [--topic TOPIC]... IN.bag OUT.csv\n"
+    "Writes the tracks of a bag as a table, a line for each track and message, in order of time.\n"
+    "  IN.bag   with sightline/TrackArray messages, for instance the output of replay\n"
+    "  OUT.csv  time,tracker,track,status, then angles, rates and their sigmas; seconds and radians\n"
+    "  --topic  only this topic; may be given several times (default: every TrackArray topic)\n";
+
+void convert(const std::vector<std::string>& words) {
+  using namespace sightline_ros;
+  const CommandLine line(words, {"--topic"}, 2, 2);
+  std::cout << convertBagToCsv(line.arguments()[0], line.arguments()[1], line.all("--topic")) << "\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return sightline_ros::runTool(argc, argv, kUsage, convert);
+}

@@ -1,0 +1,37 @@
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+
+#include "sightline/ros/command_line.h"
+#include "sightline/ros/csv_recordings.h"
+
+namespace {
+
+const char* const kUsage =
+    "Usage: csv_to_bag [--frame FRAME] [--offset SECONDS] IN.csv OUT.bag\n"
+    "Turns a recording of sightings into a bag that replay and rosbag play understand.\n"
+    "  IN.csv    header line time,sensor,azimuth,elevation,sigma_azimuth,sigma_elevation[,scan]; seconds and "
+    "radians.\n"
+    "            Rows of one sensor with the same `scan` are one exposure; without that column each row is.\n"
+    "  OUT.bag   sightline/SightingArray on /sensors/<sensor>/sightings\n"
+    "  --frame   frame of the angles (default platform_enu, the tracking frame: x east, y north, z up)\n"
+    "  --offset  is added to all times: a bag cannot hold times up to 0 (default 0)\n";
+
+void convert(const std::vector<std::string>& words) {
+  using namespace sightline_ros;
+  const CommandLine line(words, {"--frame", "--offset"}, 2, 2);
+  const std::string offset = line.option("--offset", "0");
+  char* end = nullptr;
+  const double seconds = std::strtod(offset.c_str(), &end);
+  if (offset.empty() || *end != '\0' || !std::isfinite(seconds))
+    throw UsageError("--offset: expected a number [s], got \"" + offset + "\"");
+  std::cout << convertCsvToBag(line.arguments()[0], line.arguments()[1],
+                               line.option("--frame", "platform_enu"), seconds)
+            << "\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return sightline_ros::runTool(argc, argv, kUsage, convert);
+}

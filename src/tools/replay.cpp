@@ -1,0 +1,54 @@
+#include "sightline/ros/replay.h"
+
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+
+#include "sightline/ros/command_line.h"
+
+namespace {
+
+const char* const kUsage =
+    "Usage: replay [--config FILE.yaml] [--estimator E] [--rule R] IN.bag OUT.bag\n"
+    "Runs the local trackers and the track fusion over a recording, as fast as the machine allows.\n"
+    "  IN.bag       every sightline/SightingArray topic is used, with /tf and /tf_static\n"
+    "  OUT.bag      IN.bag with the tracks (instead of those it may hold): one tracker for each sensor on\n"
+    "               /sensors/<sensor>/tracks, one over all sightings on /sensor_fusion/tracks, the fusion of "
+    "the former\n"
+    "               on /fusion/tracks, and associations and reports beside them\n"
+    "  --config     parameters in the sections local_tracker (of each sensor), sensor_fusion (over all "
+    "sightings) and\n"
+    "               track_fusion; keys as in config/local_tracker.yaml and config/track_fusion.yaml\n"
+    "  --estimator  twbls, noga, kalman or imm, for every tracker\n"
+    "  --rule       of the fusion: weighted_covariance, cross_covariance, covariance_intersection\n";
+
+void print(const sightline_ros::ReplaySummary& summary, const std::string& out, double elapsed) {
+  std::printf("%s: %zu scans with %zu sightings over %.1f s in %.2f s", out.c_str(), summary.scans,
+              summary.sightings, summary.recorded, elapsed);
+  std::printf(" (%.0f scans/s, %.0f times real time)\n", static_cast<double>(summary.scans) / elapsed,
+              summary.recorded / elapsed);
+  std::printf("  %zu track messages written, %zu messages copied\n", summary.track_messages,
+              summary.copied_messages);
+  for (const auto& [sensor, topic] : summary.topics) {
+    std::printf("  sensor \"%s\" is found under %s: its name is no topic's\n", sensor.c_str(), topic.c_str());
+  }
+  for (const auto& [reason, count] : summary.drops) std::printf("  %s: %zu\n", reason.c_str(), count);
+  if (summary.drops.empty()) std::printf("  nothing dropped\n");
+}
+
+void run(const std::vector<std::string>& words) {
+  using namespace sightline_ros;
+  const CommandLine line(words, {"--config", "--estimator", "--rule"}, 2, 2);
+  const auto start = std::chrono::steady_clock::now();
+  const ReplaySummary summary =
+      replay(line.arguments()[0], line.arguments()[1],
+             {line.option("--config", ""), line.option("--estimator", ""), line.option("--rule", "")});
+  print(summary, line.arguments()[1],
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return sightline_ros::runTool(argc, argv, kUsage, run);
+}

@@ -1,0 +1,111 @@
+#include "sightline/ros/tracker_params.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <tf2/buffer_core.h>
+
+#include "sightline/ros/local_tracker_component.h"
+#include "sightline/ros/local_tracker_health.h"
+
+#include "scratch_folder.h"
+
+namespace {
+
+namespace core = sightline::core;
+using sightline_ros::loadLocalTrackerParams;
+using sightline_ros::LocalTrackerComponent;
+using sightline_ros::LocalTrackerHealth;
+using sightline_ros::ParamError;
+using sightline_ros::ParamReader;
+
+TEST(TrackerParams, ShippedFileSaysTheDefaultsAndNothingElse) {
+  const ParamReader reader = ParamReader::fromYaml(SIGHTLINE_SOURCE_DIR "/config/local_tracker.yaml");
+  const tf2::BufferCore transforms;
+  const LocalTrackerComponent component(reader, "node", transforms);
+  LocalTrackerHealth::silenceFrom(reader);
+  EXPECT_NO_THROW(reader.finish());
+  EXPECT_EQ(reader.differences(), std::vector<std::string>{});
+  EXPECT_EQ(component.name(), "node");
+}
+
+core::LocalTrackerParams paramsOf(const std::string& yaml) {
+  const ScratchFolder folder;
+  const ParamReader reader = ParamReader::fromYaml(folder.write("params.yaml", yaml));
+  const core::LocalTrackerParams params = loadLocalTrackerParams(reader);
+  reader.finish();
+  return params;
+}
+
+TEST(TrackerParams, EveryChoiceReachesItsField) {
+  EXPECT_EQ(paramsOf("estimator: noga").estimator.kind, core::EstimatorKind::noga);
+  EXPECT_EQ(paramsOf("estimator: imm").estimator.kind, core::EstimatorKind::imm);
+  EXPECT_EQ(paramsOf("gate: {shape: rectangle}").gate.shape, core::GateShape::rectangle);
+  EXPECT_EQ(paramsOf("twbls: {paper: {time_weight: linear}}").estimator.twbls.time_weight,
+            core::TimeWeight::linear);
+  EXPECT_EQ(paramsOf("twbls: {paper: {sensor_weight: ifov}}").estimator.twbls.sensor_weight,
+            core::SensorWeight::ifov);
+  EXPECT_EQ(paramsOf("twbls: {paper: {anchor: raw}}").estimator.twbls.anchor, core::TwblsAnchor::raw);
+  EXPECT_EQ(paramsOf("twbls: {paper: {covariance: fit_error}}").estimator.twbls.covariance,
+            core::TwblsCovariance::fit_error);
+  EXPECT_EQ(paramsOf("noga: {paper: {covariance: printed}}").estimator.noga.covariance,
+            core::NogaCovariance::printed);
+  EXPECT_EQ(sightline_ros::nameOf(core::EstimatorKind::kalman), "kalman");
+}
+
+TEST(TrackerParams, ListOfModelsReplacesTheDefaultBank) {
+  const auto models = paramsOf("imm: {models: [{order: 1, process_noise: 0.5}]}").estimator.imm.models;
+  ASSERT_EQ(models.size(), 1u);
+  EXPECT_EQ(models[0].order, 1);
+  EXPECT_EQ(models[0].noise.density, 0.5);
+  EXPECT_THROW(paramsOf("imm: {models: []}"), ParamError);
+  EXPECT_THROW(paramsOf("imm: {models: [{order: 3, process_noise: 0.5}]}"), ParamError);
+  EXPECT_THROW(paramsOf("imm: {models: [{order: 1, process_noise: 0, process_noise_ratio: 0}]}"), ParamError);
+}
+
+TEST(TrackerParams, WhatIsOutOfRangeIsRefused) {
+  for (const char* wrong : {"max_lag: -0.1",
+                            "max_tracks: 0",
+                            "max_sightings: 0",
+                            "estimator: best",
+                            "gate: {probability: 1.0}",
+                            "gate: {probability: 0.0}",
+                            "gate: {min_half_width: 0.2, max_half_width: 0.1}",
+                            "gate: {max_half_width: 0.0}",
+                            "lifecycle: {confirm_hits: 6, confirm_scans: 5}",
+                            "lifecycle: {coast_silence: 0.0}",
+                            "lifecycle: {delete_misses: 0}",
+                            "twbls: {paper: {window: 0}}",
+                            "twbls: {paper: {max_sightings: 2}}",
+                            "twbls: {consistent: {max_sightings: 2}}",
+                            "twbls: {paper: {min_sightings: 200}}",
+                            "twbls: {paper: {decay: 0.0}}",
+                            "twbls: {consistent: {initial_rate_sigma: 0.0}}",
+                            "noga: {paper: {rows: 2}}",
+                            "noga: {form: best}",
+                            "noga: {consistent: {outlier_share: 1.0}}",
+                            "noga: {paper: {rows: 63}}",
+                            "kalman: {process_noise: -1.0}",
+                            "kalman: {process_noise_ratio: 0.0}",
+                            "imm: {dwell: 0.0}",
+                            "no_such_key: 1",
+                            "gate: {probabilty: 0.9}"}) {
+    EXPECT_THROW(paramsOf(wrong), ParamError) << wrong;
+  }
+}
+
+TEST(TrackerParams, FrameNamesAreChecked) {
+  const ScratchFolder folder;
+  const auto load = [&](const std::string& yaml) {
+    sightline_ros::loadFrameChangeParams(ParamReader::fromYaml(folder.write("params.yaml", yaml)));
+  };
+  EXPECT_NO_THROW(load("tracking_frame: world"));
+  EXPECT_THROW(load("tracking_frame: /world"), ParamError);
+  EXPECT_THROW(load("tracking_frame: ''"), ParamError);
+  EXPECT_THROW(load("tf_timeout: -1"), ParamError);
+  EXPECT_THROW(load("max_waiting: 0"), ParamError);
+}
+
+}  // namespace
