@@ -7,9 +7,11 @@ namespace sightline::core {
 std::unique_ptr<Estimator> makeEstimator(const EstimatorParams& params) {
   switch (params.kind) {
     case EstimatorKind::twbls:
-      return std::make_unique<TwblsEstimator>(params.twbls);
+      if (params.twbls_form == EstimatorForm::paper) return std::make_unique<TwblsEstimator>(params.twbls);
+      return std::make_unique<TwblsConsistentEstimator>(params.twbls_consistent);
     case EstimatorKind::noga:
-      return std::make_unique<NogaEstimator>(params.noga);
+      if (params.noga_form == EstimatorForm::paper) return std::make_unique<NogaEstimator>(params.noga);
+      return std::make_unique<NogaConsistentEstimator>(params.noga_consistent);
     case EstimatorKind::kalman:
       return std::make_unique<KalmanEstimator>(params.kalman);
     case EstimatorKind::imm:

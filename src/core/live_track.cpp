@@ -125,14 +125,18 @@ double LiveTrack::limit(double silence) const {
   return std::max(silence, kPaces * interval_);
 }
 
-bool LiveTrack::isDead(Time time, const LifecycleParams& lifecycle) {
+bool LiveTrack::isDead(Time time, const LifecycleParams& lifecycle, bool adapt_gate) {
   const double silence = seconds(time - last_sighting_);
   const auto misses = static_cast<int>(misses_);
   if (silence > limit(lifecycle.delete_silence) || misses >= lifecycle.delete_misses) return true;
-  if (!isUsable(*estimator_->stateAt(time))) return true;
+  const AngularState state = *estimator_->stateAt(time);
+  if (!isUsable(state)) return true;
   if (status_ == TrackStatus::tentative) {
     return scans_ - static_cast<int>(hits_) > lifecycle.confirm_scans - lifecycle.confirm_hits;
   }
+  const Eigen::Matrix2d S = gateScale(adapt_gate) * (state.anglesCovariance() + last_covariance_);
+  const Eigen::Vector2d spread = S.diagonal().cwiseQuotient(last_covariance_.diagonal()).cwiseSqrt();
+  if (spread.maxCoeff() > lifecycle.max_spread) return true;
   const bool coasts = silence > limit(lifecycle.coast_silence) || misses >= lifecycle.coast_misses;
   status_ = coasts ? TrackStatus::coasting : TrackStatus::confirmed;
   return false;

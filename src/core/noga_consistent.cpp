@@ -17,6 +17,8 @@ constexpr double kUnusedSigma = 1.0;      // of acceleration and kappa after a m
 constexpr double kFixedKappaSigma = 4.0;  // of the kappa that a fixed harmonic hands to the others
 constexpr double kSigmasOfAmplitude = 10.0;  // amplitude over sigma where the amplitude is not given
 constexpr double kCoupling = 1e-6;           // correlation from which azimuth and elevation count as coupled
+constexpr double kOutlierReach = 20.0;  // sigmas of the innovation over which outliers lie at least: a track
+                                        // that has just started must believe its second sighting
 constexpr double kLog2Pi = 1.8378770664093454836;
 
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
@@ -31,10 +33,11 @@ void check(const NogaConsistentParams& params) {
           std::to_string(model.kappa));
     }
   }
-  if (!(params.amplitude >= 0.0) || !(params.outlier_share >= 0.0 && params.outlier_share < 1.0) ||
-      !(params.outlier_width > 0.0)) {
+  if (!(params.amplitude >= 0.0) || !(params.initial_rate_sigma > 0.0) ||
+      !(params.outlier_share >= 0.0 && params.outlier_share < 1.0) || !(params.outlier_width > 0.0)) {
     throw std::invalid_argument(
-        "NogaConsistentParams: amplitude >= 0 rad, outlier_share in [0, 1) and outlier_width > 0 are "
+        "NogaConsistentParams: amplitude >= 0 rad, initial_rate_sigma > 0 rad/s, outlier_share in [0, 1) and "
+        "outlier_width > 0 are "
         "required");
   }
 }
@@ -83,10 +86,11 @@ void NogaConsistentEstimator::start(const Measurement& measurement) {
     Belief& belief = beliefs_[mode];
     belief.cross(0, 0) = measurement.covariance(0, 1);
     for (int channel = 0; channel < 2; ++channel) {
-      const double angular = std::pow(kInitialSigma * amplitude(channel), 2);
+      const double acceleration_sigma = kInitialSigma * amplitude(channel);
       belief.mean[channel] << measurement.position(channel), 0.0, 0.0, 0.0;
       if (model.kind == ResponseModel::Kind::fixed_harmonic) belief.mean[channel](3) = model.kappa;
-      belief.covariance[channel].diagonal() << measurement.covariance(channel, channel), angular, angular,
+      belief.covariance[channel].diagonal() << measurement.covariance(channel, channel),
+          params_.initial_rate_sigma * params_.initial_rate_sigma, acceleration_sigma * acceleration_sigma,
           kInitialSigma * kInitialSigma;
     }
   }
@@ -171,14 +175,19 @@ double NogaConsistentEstimator::takenShare(double log_likelihood, double log_out
   return std::exp(genuine - log_mixture);
 }
 
+/// `D`: variance of the innovation.
+double NogaConsistentEstimator::logOutlierDensity(int channel, double D) const {
+  return -std::log(std::max(params_.outlier_width * amplitude(channel), kOutlierReach * std::sqrt(D)));
+}
+
 double NogaConsistentEstimator::reduceChannel(Belief& belief, int channel, double position,
                                               double variance) const {
   Eigen::Vector4d& x = belief.mean[channel];
   Eigen::Matrix4d& P = belief.covariance[channel];
   const double D = P(0, 0) + variance, nu = position - x(0);
   double log_mixture = 0.0;
-  const double beta = takenShare(-0.5 * (nu * nu / D + std::log(D) + kLog2Pi),
-                                 -std::log(params_.outlier_width * amplitude(channel)), log_mixture);
+  const double beta =
+      takenShare(-0.5 * (nu * nu / D + std::log(D) + kLog2Pi), logOutlierDensity(channel, D), log_mixture);
 
   const Eigen::Vector4d K = P.col(0) / D;
   Eigen::Matrix4d J = Eigen::Matrix4d::Identity();
@@ -203,9 +212,8 @@ double NogaConsistentEstimator::reduceCoupled(Belief& belief, const Measurement&
   const Eigen::Vector2d nu = measurement.position - Eigen::Vector2d(x(0), x(4));
   const double log_det = 2.0 * std::log(llt.matrixLLT()(0, 0) * llt.matrixLLT()(1, 1));
   double log_mixture = 0.0;
-  const double beta =
-      takenShare(-0.5 * (llt.matrixL().solve(nu).squaredNorm() + log_det) - kLog2Pi,
-                 -2.0 * std::log(params_.outlier_width) - std::log(amplitude(0) * amplitude(1)), log_mixture);
+  const double beta = takenShare(-0.5 * (llt.matrixL().solve(nu).squaredNorm() + log_det) - kLog2Pi,
+                                 logOutlierDensity(0, D(0, 0)) + logOutlierDensity(1, D(1, 1)), log_mixture);
 
   const Eigen::Matrix<double, 8, 2> K = llt.solve(PH.transpose()).transpose();
   Matrix8d J = Matrix8d::Identity();

@@ -66,8 +66,9 @@ TEST(LocalTracker, ConfirmsATargetAfterMSightingsAndReportsEveryDecision) {
   EXPECT_EQ(report.tracks.at(0).status, TrackStatus::tentative);
   report = tracker.onScan(sensor.look(0.03, {kStill}));
   EXPECT_EQ(report.associations[0].decision, Decision::accepted);
-  EXPECT_TRUE(confirmed(report).empty());
   report = tracker.onScan(sensor.look(0.06, {kStill}));
+  EXPECT_TRUE(confirmed(report).empty());
+  report = tracker.onScan(sensor.look(0.09, {kStill}));
   ASSERT_EQ(confirmed(report).size(), 1u);
   EXPECT_EQ(report.tracks[0].id, report.associations[0].track);
   EXPECT_LE(report.associations[0].distance_squared, report.associations[0].threshold);
@@ -180,12 +181,12 @@ TEST(LocalTracker, CoastsThroughAGapAndTakesTheTargetUpAgain) {
   for (int k = 0; k < 60; ++k) report = tracker.onScan(sensor.look(0.03 * k, {path}));
   const std::uint32_t id = report.tracks.at(0).id;
   const double width = report.tracks[0].gate.half_width(0);
-  for (int k = 60; k < 90; ++k) report = tracker.onScan(sensor.look(0.03 * k, {}));
+  for (int k = 60; k < 85; ++k) report = tracker.onScan(sensor.look(0.03 * k, {}));
   ASSERT_EQ(report.tracks.size(), 1u);
   EXPECT_EQ(report.tracks[0].status, TrackStatus::coasting);
-  EXPECT_EQ(report.tracks[0].misses, 30u);
+  EXPECT_EQ(report.tracks[0].misses, 25u);
   EXPECT_GT(report.tracks[0].gate.half_width(0), width);
-  report = tracker.onScan(sensor.look(2.7, {path}));
+  report = tracker.onScan(sensor.look(2.55, {path}));
   ASSERT_EQ(report.tracks.size(), 1u);
   EXPECT_EQ(report.tracks[0].id, id);
   EXPECT_EQ(report.tracks[0].status, TrackStatus::confirmed);

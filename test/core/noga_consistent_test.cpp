@@ -18,7 +18,9 @@ TEST_P(GoldenBank, MatchesTheReferenceVectors) {
   SIGHTLINE_REQUIRE_SHARED();
   const YAML::Node expected = test::golden(GetParam());
   NogaConsistentParams params;
+  params.models.resize(6);
   params.amplitude = 1.0;
+  params.initial_rate_sigma = 2.0;
   params.outlier_share = expected["eps"].as<double>();
   params.outlier_width = expected["Vout"].as<double>();
   params.dwell = expected["tau"].as<double>();
@@ -63,6 +65,7 @@ TEST(NogaConsistent, OneStepIsTheUncertaintyReductionWithTheProcessNoiseAmongThe
   NogaConsistentParams params;
   params.models = {{ResponseModel::Kind::straight, 0.3, 0.0, 0.0}};
   params.amplitude = 1.0;
+  params.initial_rate_sigma = 2.0;
   params.outlier_share = 0.0;
   NogaConsistentEstimator estimator(params);
   const Eigen::Matrix2d R = Eigen::Matrix2d::Identity() * 0.01;
@@ -102,7 +105,9 @@ TEST(NogaConsistent, WithoutAGivenAmplitudeItIsFreeOfScale) {
   }
   AngularState reference;
   for (const double scale : {1.0, 1e-2, 1e-4}) {
-    NogaConsistentEstimator estimator{NogaConsistentParams{}};
+    NogaConsistentParams params;
+    params.initial_rate_sigma = 2.0 * scale;
+    NogaConsistentEstimator estimator(params);
     for (int k = 0; k < 150; ++k) {
       estimator.update(sighting(0.03 * k, scale * positions[static_cast<std::size_t>(k)],
                                 Eigen::Matrix2d::Identity() * 0.01 * scale * scale));

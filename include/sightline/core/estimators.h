@@ -6,17 +6,29 @@
 #include "sightline/core/imm.h"
 #include "sightline/core/kalman.h"
 #include "sightline/core/noga.h"
+#include "sightline/core/noga_consistent.h"
 #include "sightline/core/twbls.h"
+#include "sightline/core/twbls_consistent.h"
 
 namespace sightline::core {
 
 enum class EstimatorKind { twbls, noga, kalman, imm };
 
+/// The two forms of the paper's estimators.
+enum class EstimatorForm {
+  paper,      ///< its equations with the repairs that make them executable
+  consistent  ///< statistically honest: what is published can be believed
+};
+
 /// Which estimator a tracker runs, and the settings of each.
 struct EstimatorParams {
   EstimatorKind kind = EstimatorKind::twbls;
-  TwblsParams twbls;
-  NogaParams noga;
+  EstimatorForm twbls_form = EstimatorForm::consistent;
+  TwblsParams twbls;  ///< form `paper`
+  TwblsConsistentParams twbls_consistent;
+  EstimatorForm noga_form = EstimatorForm::consistent;
+  NogaParams noga;  ///< form `paper`
+  NogaConsistentParams noga_consistent;
   KalmanParams kalman;
   ImmParams imm;
 };

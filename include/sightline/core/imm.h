@@ -23,7 +23,7 @@ struct ImmParams {
   /// curve.
   std::vector<ImmModel> models = {{1, {0.0, 1.0}}, {1, {0.0, 100.0}}, {2, {0.0, 100.0}}, {2, {0.0, 1e4}}};
   double dwell = 3.0;                       ///< mean time between changes of the model [s], > 0
-  double initial_rate_sigma = 1.0;          ///< of each rate before the second sighting [rad/s], > 0
+  double initial_rate_sigma = 0.3;          ///< of each rate before the second sighting [rad/s], > 0
   double initial_acceleration_sigma = 1.0;  ///< of each acceleration before the third sighting [rad/s^2], > 0
 };
 

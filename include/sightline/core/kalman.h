@@ -14,7 +14,7 @@ struct KalmanParams {
   double process_noise = 0.0;
   /// Density / sigma^2 of the sightings [1/s^3], > 0, where process_noise is 0: free of the angular scale.
   double process_noise_ratio = 200.0;
-  double initial_rate_sigma = 1.0;  ///< of each rate before the second sighting [rad/s], > 0
+  double initial_rate_sigma = 0.3;  ///< of each rate before the second sighting [rad/s], > 0
 };
 
 /// Kalman filter of constant angular velocity disturbed by white acceleration: four states, both channels

@@ -20,12 +20,15 @@ namespace sightline::core {
 /// is never a miss. A limit on silence counts as at least four of the track's usual intervals between
 /// sightings, so that one setting serves sensors of 1 Hz and of 100 Hz.
 struct LifecycleParams {
-  int confirm_hits = 3;         ///< M: sightings that make a track believed ...
-  int confirm_scans = 5;        ///< N: ... within so many scans; 1 <= M <= N
+  int confirm_hits = 4;         ///< M: sightings that make a track believed ...
+  int confirm_scans = 6;        ///< N: ... within so many scans; 1 <= M <= N
   int coast_misses = 3;         ///< misses in a row after which a track counts as coasting, >= 1
   double coast_silence = 0.3;   ///< silence after which it does [s], > 0
-  int delete_misses = 60;       ///< misses in a row after which it is given up, >= 1
+  int delete_misses = 30;       ///< misses in a row after which it is given up, >= 1
   double delete_silence = 2.0;  ///< silence after which it is given up [s], > 0
+  /// A believed track whose gate is so many times as wide as the sightings' own sigma would make it knows
+  /// nothing and lives on false sightings: it is given up. > 1
+  double max_spread = 30.0;
 };
 
 /// One target under way: its estimator, the chart it works in, and the record on which it is judged. Copies
@@ -55,7 +58,7 @@ class LiveTrack {
   void miss(const Scan& scan, const LifecycleParams& lifecycle);
 
   /// Whether the track is to be given up at `time`; otherwise its status is brought up to date.
-  bool isDead(Time time, const LifecycleParams& lifecycle);
+  bool isDead(Time time, const LifecycleParams& lifecycle, bool adapt_gate);
 
   /// The track in the tracking frame's angles at `time`, with the gate for the sighting that comes next.
   Track report(Time time, const GateParams& gate, bool adapt_gate, const LifecycleParams& lifecycle) const;

@@ -11,9 +11,6 @@
 
 namespace sightline::core {
 
-/// `paper`: an auto-regression AR(2) on the last sightings as the model of the response, as the paper has it.
-enum class NogaForm { paper };
-
 /// What is published as the covariance of a position.
 enum class NogaCovariance {
   /// What the residuals of the auto-regression and the noise of its regressors say of its prediction, shared
@@ -27,12 +24,11 @@ enum class NogaCovariance {
 };
 
 struct NogaParams {
-  NogaForm form = NogaForm::paper;
   int rows = 18;  ///< of the auto-regression, in [3, 62]; the paper prints 3, with one degree of freedom
   bool weighted = false;  ///< regressors times d exp(-d) / ifov^2 of their age d [s] (16); favours the older
   bool feedback = false;  ///< the estimates take the sightings' place in later rows; diverges
   NogaCovariance covariance = NogaCovariance::residual;
-  double initial_rate_sigma = 1.0;  ///< of each rate before the sightings tell it better [rad/s], > 0
+  double initial_rate_sigma = 0.3;  ///< of each rate before the sightings tell it better [rad/s], > 0
 };
 
 /// NOGA, form `paper`: equations (10)-(16C) as the model, (20)-(22) to make it agree with the sighting,

@@ -61,7 +61,7 @@ struct TwblsParams {
   SensorWeight sensor_weight = SensorWeight::variance;
   TwblsAnchor anchor = TwblsAnchor::fit;
   TwblsCovariance covariance = TwblsCovariance::residual;
-  double initial_rate_sigma = 1.0;  ///< of each rate before the sightings tell it better [rad/s], > 0
+  double initial_rate_sigma = 0.3;  ///< of each rate before the sightings tell it better [rad/s], > 0
 };
 
 /// Half width of the paper's gate, seconds `h` after the last sighting: three times the linear sum E_2 + h

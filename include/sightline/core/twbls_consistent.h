@@ -17,7 +17,7 @@ struct TwblsConsistentParams {
   std::vector<ProcessNoise> process_noises = {{0.0, 0.01}, {0.0, 1.0}, {0.0, 30.0}, {0.0, 1e3}, {0.0, 3e4}};
   int max_sightings = 60;           ///< of the window, >= 3; no limit in time
   double memory = 1.5;              ///< for the evidence of each process noise [s], > 0
-  double initial_rate_sigma = 1.0;  ///< of each rate before the second sighting [rad/s], > 0
+  double initial_rate_sigma = 0.3;  ///< of each rate before the second sighting [rad/s], > 0
 };
 
 /// TWBLS, form `consistent` (S-4)-(S-6): generalised least squares of a straight line over the last

@@ -17,8 +17,12 @@ sightline::core::LifecycleParams loadLifecycleParams(const ParamReader& reader,
                                                      sightline::core::LifecycleParams defaults = {});
 sightline::core::TwblsParams loadTwblsParams(const ParamReader& reader,
                                              sightline::core::TwblsParams defaults = {});
+sightline::core::TwblsConsistentParams loadTwblsConsistentParams(
+    const ParamReader& reader, sightline::core::TwblsConsistentParams defaults = {});
 sightline::core::NogaParams loadNogaParams(const ParamReader& reader,
                                            sightline::core::NogaParams defaults = {});
+sightline::core::NogaConsistentParams loadNogaConsistentParams(
+    const ParamReader& reader, sightline::core::NogaConsistentParams defaults = {});
 sightline::core::KalmanParams loadKalmanParams(const ParamReader& reader,
                                                sightline::core::KalmanParams defaults = {});
 sightline::core::ImmParams loadImmParams(const ParamReader& reader, sightline::core::ImmParams defaults = {});
