@@ -95,8 +95,7 @@ void expectSameScans(const std::vector<SimulatedScan>& a, const std::vector<Simu
   }
 }
 
-// ---- reproducible
-// ------------------------------------------------------------------------------------------------
+// ---- reproducible ----
 
 TEST(SensorSimulator, SameSeedGivesTheSameScans) {
   expectSameScans(scansOf(paper(), "tracking_1", 200), scansOf(paper(), "tracking_1", 200));
@@ -149,8 +148,7 @@ TEST(SensorSimulator, SensorsOfOneSequenceLookAtTheSameTimesWithTheirOwnNoise) {
   }
 }
 
-// ---- what a scan says of itself
-// ----------------------------------------------------------------------------------
+// ---- what a scan says of itself ----
 
 TEST(SensorSimulator, ScanCarriesTheSensorsStatements) {
   Scenario scenario = eyeOn(0.1, 0.2);
@@ -205,8 +203,7 @@ TEST(SensorSimulator, SightingsAreInAscendingAzimuth) {
   EXPECT_FALSE(target_last);
 }
 
-// ---- statistics
-// --------------------------------------------------------------------------------------------------
+// ---- statistics ----
 
 TEST(SensorSimulator, NoiseIsUnbiasedWithTheStatedSigmaInBothChannels) {
   Scenario scenario = eyeOn(0.4, -0.3);
@@ -299,8 +296,7 @@ TEST(SensorSimulator, RateIsThatOfThePaper) {
   EXPECT_NEAR(mean_interval, 0.030, 5.0 * 0.010 * std::sqrt(2.0 / n));
 }
 
-// ---- field of view, wrap, poles
-// ----------------------------------------------------------------------------------
+// ---- field of view, wrap, poles ----
 
 TEST(SensorSimulator, SeesWithinTheRimsOfTheFieldOfViewAndNotBeyond) {
   struct Place {
@@ -379,8 +375,7 @@ TEST(SensorSimulator, NoiseOverThePoleGivesSightingsInRangeThatTrackersAccept) {
   EXPECT_GT(over, 300);  // a quarter is beyond 0.7 sigma
 }
 
-// ---- time and trouble
-// --------------------------------------------------------------------------------------------
+// ---- time and trouble ----
 
 TEST(SensorSimulator, LatencyLiesBetweenItsBoundsAndFillsThem) {
   Scenario scenario = eyeOn(0.0, 0.0);
@@ -493,8 +488,7 @@ TEST(SensorSimulator, TargetThatLeavesAndAnotherThatComesAreToldApart) {
   }
 }
 
-// ---- refusals
-// ----------------------------------------------------------------------------------------------------
+// ---- refusals ----
 
 TEST(SensorSimulator, UnknownSensorIsRefusedWithTheKnownOnes) {
   try {

@@ -74,8 +74,7 @@ double shareSeen(const core::Scenario& scenario, const std::string& sensor, cons
   return there > 0 ? static_cast<double>(seen) / there : 0.0;
 }
 
-// ---- the shipped files
-// -------------------------------------------------------------------------------------------
+// ---- the shipped files ----
 
 TEST(ScenarioParams, EveryShippedScenarioLoadsWithTheSixSensors) {
   const auto names = namesOfShipped();
@@ -136,8 +135,17 @@ TEST(ScenarioParams, PaperFileSaysTheDefaultsOfTheCore) {
   EXPECT_EQ(scenario.seed, core::Scenario{}.seed);
 }
 
-// ---- structure
-// ---------------------------------------------------------------------------------------------------
+TEST(ScenarioParams, ScenarioFileOverridesTheSensorsFileKeyByKey) {
+  const core::SimulatedSensor tracking = sensorOf(shipped("small_angle"), "tracking_2");
+  EXPECT_EQ(tracking.sigma, Eigen::Vector2d::Constant(1e-5));  // of the scenario
+  EXPECT_EQ(tracking.latency, 0.002);                          // of the sensors' file
+  const core::Scenario degraded = shipped("degraded_sensor");
+  EXPECT_EQ(sensorOf(degraded, "tracking_1").degradations.size(), 1U);  // of the scenario, for one sensor
+  EXPECT_EQ(sensorOf(degraded, "tracking_1").sigma, Eigen::Vector2d::Constant(0.08));
+  EXPECT_TRUE(sensorOf(degraded, "tracking_3").degradations.empty());
+}
+
+// ---- structure ----
 
 TEST(ScenarioParams, SensorWinsOverItsGroup) {
   const core::Scenario scenario = loadText(
@@ -229,8 +237,7 @@ TEST(ScenarioParams, EveryKindOfPlatformMotionIsRead) {
             1e-12);
 }
 
-// ---- refusals
-// ----------------------------------------------------------------------------------------------------
+// ---- refusals ----
 
 TEST(ScenarioParams, MissingScenarioSaysWhatToLoad) {
   EXPECT_EQ(refusalOf("{}"),
