@@ -164,7 +164,7 @@ std::vector<TrueTarget> Evaluation::targetsAt(Time time) const {
   std::vector<TrueTarget> targets;
   for (const auto& [id, path] : truth_) {
     if (const auto point = path.at(time)) {
-      targets.push_back({id, point->state, point->age >= params_.settle_time});
+      targets.push_back({id, point->state, point->age >= params_.settle_time, point->age});
     }
   }
   return targets;

@@ -9,6 +9,7 @@ namespace sightline::core {
 namespace {
 
 constexpr double kForbidden = std::numeric_limits<double>::infinity();
+constexpr double kKeepShare = 1.0 / 3.0;  // of the gate
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// The direction that distances are measured from; without elevations, on the horizon.
@@ -64,14 +65,6 @@ Eigen::MatrixXd distances(const std::vector<TrueTarget>& targets, const std::vec
   return distance;
 }
 
-/// Forbids every pair of row `i` and of column `j` but (i, j).
-void keepPair(Eigen::MatrixXd& cost, Eigen::Index i, Eigen::Index j) {
-  const double own = cost(i, j);
-  cost.row(i).setConstant(kForbidden);
-  cost.col(j).setConstant(kForbidden);
-  cost(i, j) = own;
-}
-
 /// For each target its track, or nullptr.
 std::vector<const Track*> matchTracks(const std::vector<TrueTarget>& targets,
                                       const std::vector<const Track*>& tracks, const Continuity& continuity,
@@ -81,7 +74,7 @@ std::vector<const Track*> matchTracks(const std::vector<TrueTarget>& targets,
   for (Eigen::Index i = 0; i < cost.rows(); ++i) {
     const auto kept = continuity.trackOf(targets[i].id);
     for (Eigen::Index j = 0; kept && j < cost.cols(); ++j) {
-      if (tracks[j]->id == *kept && distance(i, j) <= gate) keepPair(cost, i, j);
+      if (tracks[j]->id == *kept) cost(i, j) -= std::pow(kKeepShare * gate, 2);
     }
   }
   std::vector<const Track*> track_of;
@@ -106,13 +99,6 @@ Gospa gospaOf(const std::vector<TrueTarget>& targets, const std::vector<const Tr
     estimates.push_back(comparable(track->state.angles(), channels));
   }
   return gospa(estimates, truths, params);
-}
-
-std::vector<std::uint32_t> idsOf(const std::vector<TrueTarget>& targets) {
-  std::vector<std::uint32_t> ids;
-  for (const TrueTarget& target : targets) ids.push_back(target.id);
-  std::sort(ids.begin(), ids.end());
-  return ids;
 }
 
 }  // namespace
@@ -159,12 +145,12 @@ void TrackScore::note(const TrackReport& report) {
 
 void TrackScore::judge(const TrackReport& report, const std::vector<TrueTarget>& targets, double gate,
                        const JudgementListener& listener) {
+  forgetTheDeparted(report.time, targets);
   const std::vector<const Track*> tracks = believedOf(report);
   const std::vector<const Track*> track_of = matchTracks(targets, tracks, continuity_, gate, channels_);
   const auto matched = targets.size() - std::count(track_of.begin(), track_of.end(), nullptr);
   unmatched_ += tracks.size() - matched;
 
-  continuity_.forgetAllBut(idsOf(targets));
   RunningMean square;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     if (!targets[i].settled) continue;
@@ -176,6 +162,16 @@ void TrackScore::judge(const TrackReport& report, const std::vector<TrueTarget>&
   const Gospa metric = gospaOf(targets, tracks, track_of, channels_, gospa_.params());
   gospa_.add(metric);
   if (listener.report) listener.report({topic_, report.time, metric});
+}
+
+void TrackScore::forgetTheDeparted(Time time, const std::vector<TrueTarget>& targets) {
+  std::vector<std::uint32_t> stayed;
+  for (const TrueTarget& target : targets) {
+    if (last_judged_ && target.age >= seconds(time - *last_judged_)) stayed.push_back(target.id);
+  }
+  std::sort(stayed.begin(), stayed.end());
+  continuity_.forgetAllBut(stayed);
+  last_judged_ = time;
 }
 
 double TrackScore::judgePair(const TrackReport& report, const TrueTarget& target, const Track& track,

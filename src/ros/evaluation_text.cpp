@@ -22,11 +22,6 @@ std::string format(const char* pattern, Values... values) {
   return text;
 }
 
-/// With a fixed number of decimals.
-std::string decimals(double value, int count) {
-  return std::isnan(value) ? "-" : format("%.*f", count, value);
-}
-
 std::string withSign(double value, int count) {
   return std::isnan(value) ? "-" : format("%+.*f", count, value);
 }
@@ -46,11 +41,8 @@ const char* headingOf(EvaluationRow::Kind kind) {
   }
 }
 
-/// ANEES of samples of so many dimensions, with its band when asked for.
 std::string anees(double value, double degrees, bool with_band) {
-  if (std::isnan(value) || !with_band) return decimals(value, 2);
-  const core::Band band = core::aneesBand(degrees);
-  return decimals(value, 2) + " [" + decimals(band.low, 2) + ", " + decimals(band.high, 2) + "]";
+  return with_band ? withBand(value, degrees) : decimals(value, 2);
 }
 
 std::string nameOf(const EvaluationRow& row, const std::vector<EvaluationRow>& rows) {
@@ -160,6 +152,16 @@ Cells liveCells(const EvaluationRow& row, double best_sigma) {
 
 std::string readable(double value, int digits) {
   return std::isnan(value) ? "-" : format("%.*g", digits, value);
+}
+
+std::string decimals(double value, int count) {
+  return std::isnan(value) ? "-" : format("%.*f", count, value);
+}
+
+std::string withBand(double average, double degrees) {
+  if (std::isnan(average)) return "-";
+  const core::Band band = core::aneesBand(degrees);
+  return decimals(average, 2) + " [" + decimals(band.low, 2) + ", " + decimals(band.high, 2) + "]";
 }
 
 std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {

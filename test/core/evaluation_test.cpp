@@ -212,6 +212,20 @@ TEST(Evaluation, BreaksAndChangesOfIdentityAreCounted) {
   EXPECT_NEAR(row.gospa.missed(), 10.0 / 51.0, 1e-12);
 }
 
+TEST(Evaluation, ATargetThatWasAwayMayComeBackAsAnotherTrack) {
+  Evaluation evaluation;
+  for (const double start : {0.0, 20.0}) {  // nothing is reported in between
+    for (int i = 0; i < 10; ++i) {
+      const double t = start + 0.1 * i;
+      evaluation.addTruth(at(t), {{1, motion(1, t)}});
+      evaluation.addTracks("tracks", report(t, {track(start > 0.0 ? 2 : 1, motion(1, t))}));
+    }
+  }
+  EXPECT_EQ(rowOf(evaluation, "tracks").id_switches, 0u);
+  EXPECT_EQ(rowOf(evaluation, "tracks").breaks, 0u);
+  EXPECT_EQ(rowOf(evaluation, "tracks").samples, 20u);
+}
+
 TEST(Evaluation, CrossingTargetsKeepTheirTracks) {
   // Two targets meet; for some instants each track is nearer to the other's target.
   Evaluation evaluation;
@@ -239,6 +253,21 @@ TEST(Evaluation, TracksThatExchangeTheirTargetsAreTwoSwitches) {
   }
   EXPECT_EQ(rowOf(evaluation, "tracks").id_switches, 2u);
   EXPECT_EQ(rowOf(evaluation, "tracks").breaks, 0u);
+}
+
+TEST(Evaluation, TracksThatExchangeTheirTargetsWhereTheseCrossAreTwoSwitchesAndNoBreak) {
+  Evaluation evaluation;
+  for (int i = -100; i <= 100; ++i) {
+    const double t = 10.0 + 0.02 * i, x = 0.02 * i * 0.1;
+    const Eigen::Vector4d up(x, x, 0.1, 0.1), down(x, -x, 0.1, -0.1);
+    evaluation.addTruth(at(t), {{1, up}, {2, down}});
+    evaluation.addTracks("tracks", report(t, {track(11, i < 0 ? up : down), track(12, i < 0 ? down : up)}));
+  }
+  const EvaluationRow row = rowOf(evaluation, "tracks");
+  EXPECT_EQ(row.id_switches, 2u);
+  EXPECT_EQ(row.breaks, 0u);
+  EXPECT_EQ(row.coverage, 1.0);
+  EXPECT_LT(row.error_now, 1e-9);
 }
 
 TEST(Evaluation, AFarTrackIsNoTrackOfTheTarget) {

@@ -21,8 +21,9 @@ namespace sightline::core {
 /// A target at the instant that is judged.
 struct TrueTarget {
   std::uint32_t id = 0;
-  AngularState state;   ///< the truth, tracking frame, covariance zero
-  bool settled = true;  ///< false: its errors do not count yet
+  AngularState state;                                    ///< the truth, tracking frame, covariance zero
+  bool settled = true;                                   ///< false: its errors do not count yet
+  double age = std::numeric_limits<double>::infinity();  ///< how long it has been there without a gap [s]
 };
 
 /// What a tracker said at one instant.
@@ -107,13 +108,18 @@ class TrackScore {
   /// Notes what is reported; before the truth is known.
   void note(const TrackReport& report);
 
-  /// A target keeps the track it had as long as that is within `gate` [rad]; the others are assigned with the
-  /// smallest sum of squared distances (K. Bernardin, R. Stiefelhagen, EURASIP JIVP 2008).
+  /// Tracks within `gate` [rad] are assigned to targets with the smallest sum of squared distances. A target
+  /// that has a track keeps it unless another assignment is better by more than the square of a third of the
+  /// gate for each target that changes: so that targets which cross do not seem to exchange their tracks, and
+  /// tracks that do are seen to.
   void judge(const TrackReport& report, const std::vector<TrueTarget>& targets, double gate,
              const JudgementListener& listener);
 
   /// The truth begins anew: which track each target had is forgotten, what counted stays.
-  void restart() { continuity_.forgetAll(); }
+  void restart() {
+    continuity_.forgetAll();
+    last_judged_ = std::nullopt;
+  }
 
   const std::string& topic() const { return topic_; }
   const std::string& tracker() const { return tracker_; }  ///< empty before the first report
@@ -129,6 +135,9 @@ class TrackScore {
   Eigen::Vector2d anglesNow() const { return angles_now_; }  ///< of the first of them [rad]; NaN without
 
  private:
+  /// Forgets which track the targets had that left, or left and came back, since the last report.
+  void forgetTheDeparted(Time time, const std::vector<TrueTarget>& targets);
+
   /// Adds the error; returns its mean square over the channels [rad^2].
   double judgePair(const TrackReport& report, const TrueTarget& target, const Track& track,
                    const JudgementListener& listener);
@@ -138,6 +147,7 @@ class TrackScore {
   Channels channels_;
   ErrorStatistics errors_;
   Continuity continuity_;
+  std::optional<Time> last_judged_;
   GospaMeans gospa_;
   std::uint64_t unmatched_ = 0;
   double last_error_ = std::numeric_limits<double>::quiet_NaN();

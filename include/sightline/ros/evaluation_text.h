@@ -15,6 +15,12 @@ std::string alignedTable(const std::vector<std::vector<std::string>>& rows);
 /// A number with `digits` significant digits, "-" for NaN.
 std::string readable(double value, int digits = 4);
 
+/// With a fixed number of decimals, "-" for NaN.
+std::string decimals(double value, int count);
+
+/// "1.02 [0.97, 1.03]": an average of normalised squares with its 95 % band for so many degrees of freedom.
+std::string withBand(double average, double degrees);
+
 struct EvaluationTableStyle {
   bool bands = false;  ///< the 95 % band of each ANEES beside it
   bool gospa = false;  ///< a second table with GOSPA and its parts
