@@ -36,9 +36,9 @@ void check(const NogaParams& params) {
 /// What the model says of the next sighting's value in one channel: q = S (a_1, a_2, rate).
 struct NogaEstimator::Response {
   LinearModel<double, 3, 1> model;
-  Eigen::Matrix3d C_a;
-  double printed_variance;   // of q: S C_a S^T [rad^2]
-  double residual_variance;  // of q by the residuals of the auto-regression [rad^2]
+  Eigen::Matrix3d C_a = Eigen::Matrix3d::Zero();
+  double printed_variance = 0.0;   // of q: S C_a S^T [rad^2]
+  double residual_variance = 0.0;  // of q by the residuals of the auto-regression [rad^2]
 };
 
 NogaEstimator::NogaEstimator(const NogaParams& params) : params_(params) {
@@ -117,7 +117,6 @@ NogaEstimator::Response NogaEstimator::responseAfter(int channel, double h) cons
   response.model.S << weight(k - 1) * value(k - 1), weight(k - 2) * value(k - 2), late;
   response.model.a << fit.a, line_.mean(channel + 2);
   response.model.q = response.model.S * response.model.a;
-  response.C_a.setZero();
   response.C_a.topLeftCorner<2, 2>() = fit.C_a;
   response.C_a(2, 2) = line_.covariance(channel + 2, channel + 2);
 

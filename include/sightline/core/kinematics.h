@@ -65,7 +65,7 @@ void addWhiteAcceleration(Motion<N>& motion, const Eigen::Matrix2d& density, dou
 inline void addWhiteJerk(Motion<6>& motion, const Eigen::Matrix2d& density, double h) {
   const double age = std::abs(h), age3 = age * age * age;
   auto& P = motion.covariance;
-  const auto add = [&](int row, int column, double factor) {
+  const auto add = [&](Eigen::Index row, Eigen::Index column, double factor) {
     P.block<2, 2>(2 * row, 2 * column) += factor * density;
     if (row != column) P.block<2, 2>(2 * column, 2 * row) += factor * density;
   };

@@ -213,7 +213,8 @@ IteratedReduction<Scalar, N, M> reduceUncertaintyIterated(
   if (joint.info() != Eigen::Success) reduction::refuseSingularJoint();
   const auto lossOf = [&](const LinearModel<Scalar, N, M>& at) {
     Eigen::Matrix<Scalar, reduction::sumOf(N, M), 1> z(m + n);
-    z << at.q - r, at.a - a;
+    z.template segment<M>(0, m) = at.q - r;
+    z.template segment<N>(m, n) = at.a - a;
     return z.dot(joint.solve(z));
   };
 
