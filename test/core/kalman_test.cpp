@@ -10,7 +10,7 @@
 namespace sightline::core {
 namespace {
 
-KalmanParams absolute(double process_noise, double initial_rate_sigma = 1.0) {
+KalmanParams absolute(double process_noise, double initial_rate_sigma = KalmanParams{}.initial_rate_sigma) {
   KalmanParams params;
   params.process_noise = process_noise;
   params.initial_rate_sigma = initial_rate_sigma;
