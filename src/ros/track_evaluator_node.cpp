@@ -1,7 +1,9 @@
 #include "sightline/ros/track_evaluator_node.h"
 
 #include <algorithm>
+#include <fstream>
 #include <iostream>
+#include <sstream>
 #include <unistd.h>
 
 #include <ros/ros.h>
@@ -61,6 +63,7 @@ TrackEvaluatorParams loadTrackEvaluatorParams(const ParamReader& reader) {
   params.track_topics = reader.texts("track_topics", params.track_topics);
   params.live = reader.flag("live", params.live);
   params.duration = reader.number("duration", params.duration, atLeast(0.0), "s");
+  params.table_file = reader.text("table_file", params.table_file);
   return params;
 }
 
@@ -182,11 +185,16 @@ void TrackEvaluatorNode::printLive() {
 }
 
 void TrackEvaluatorNode::printTable() const {
-  std::cout << "\nEvaluation of " << readable(elapsed()) << " s\n"
-            << evaluationTable(evaluation_.rows(), evaluation_.bestSigma());
+  std::ostringstream table;
+  table << "\nEvaluation of " << readable(elapsed()) << " s\n"
+        << evaluationTable(evaluation_.rows(), evaluation_.bestSigma());
   for (const auto& [reason, count] : dropped_)
-    std::cout << "dropped " << count << " messages on " << reason << "\n";
-  std::cout << std::flush;
+    table << "dropped " << count << " messages on " << reason << "\n";
+  if (params_.table_file.empty()) {
+    std::cout << table.str() << std::flush;
+  } else {
+    std::ofstream(params_.table_file) << table.str();
+  }
 }
 
 }  // namespace sightline_ros

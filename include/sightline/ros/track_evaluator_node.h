@@ -29,7 +29,8 @@ struct TrackEvaluatorParams {
   std::vector<std::string> sighting_topics;  ///< SightingArray
   std::vector<std::string> track_topics;     ///< TrackArray
   bool live = false;                         ///< prints a summary once a second
-  double duration = 0.0;  ///< ends by itself after so much of the data's time [s]; 0 = never
+  double duration = 0.0;   ///< ends by itself after so much of the data's time [s]; 0 = never
+  std::string table_file;  ///< gets the table; empty = standard output
 };
 
 /// Reads all parameters of the node. Throws ParamError.
