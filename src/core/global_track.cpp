@@ -1,6 +1,7 @@
 #include "sightline/core/global_track.h"
 
 #include <algorithm>
+#include <sstream>
 
 #include <Eigen/Cholesky>
 
@@ -88,6 +89,7 @@ double GlobalTrack::renew(std::size_t supporter, const LocalTrack& local) {
   Supporter& old = supporters_[supporter];
   Supporter renewed = supporterOf(old.key, local);
   renewed.contributed = old.contributed;
+  renewed.contradicts_since = old.contradicts_since;
   const double surprise = distanceSquared(estimateOf(old.state), estimateOf(renewed.state), 0.0);
   cross_.update(supporter, old.state.covariance, renewed.state.covariance);
   old = std::move(renewed);
@@ -97,6 +99,11 @@ double GlobalTrack::renew(std::size_t supporter, const LocalTrack& local) {
 void GlobalTrack::leave(std::size_t supporter) {
   supporters_.erase(supporters_.begin() + static_cast<std::ptrdiff_t>(supporter));
   cross_.remove(supporter);
+}
+
+void GlobalTrack::setUnusable(std::size_t supporter, const std::string& why) {
+  supporters_[supporter].unusable = why;
+  supporters_[supporter].distance_squared = std::numeric_limits<double>::quiet_NaN();
 }
 
 void GlobalTrack::absorb(const GlobalTrack& other) {
@@ -117,21 +124,47 @@ std::vector<std::size_t> GlobalTrack::usable() const {
 
 void GlobalTrack::compareSupporters(double registration_sigma) {
   const std::vector<std::size_t> numbers = usable();
-  for (Supporter& supporter : supporters_)
-    supporter.distance_squared = std::numeric_limits<double>::quiet_NaN();
-  if (numbers.size() < 2) return;
   for (const std::size_t number : numbers) {
+    Supporter& supporter = supporters_[number];
+    supporter.distance_squared = std::numeric_limits<double>::quiet_NaN();
+    if (numbers.size() < 2) return;
     std::vector<Estimate<4>> others;
     for (const std::size_t other : numbers) {
       if (other != number) others.push_back(estimateOf(supporters_[other].state));
     }
-    Supporter& supporter = supporters_[number];
     supporter.distance_squared = std::numeric_limits<double>::infinity();
     if (const auto rest = weightedCovariance(others)) {
       supporter.distance_squared =
           distanceSquared(estimateOf(supporter.state), {rest->mean, rest->covariance}, registration_sigma);
     }
   }
+}
+
+std::vector<std::size_t> GlobalTrack::leaveOutContradictions(double registration_sigma, double threshold,
+                                                             const std::string& reporting) {
+  std::vector<std::size_t> contradicting;
+  for (;;) {
+    compareSupporters(registration_sigma);
+    std::size_t worst = supporters_.size();
+    double farthest = threshold;
+    for (const std::size_t number : usable()) {
+      if (!(supporters_[number].distance_squared >= farthest)) continue;  // NaN: nobody to contradict
+      farthest = supporters_[number].distance_squared;
+      worst = number;
+    }
+    if (worst == supporters_.size()) break;
+    std::ostringstream why;
+    why << "contradiction: distance squared " << farthest << " from the other local tracks (" << threshold
+        << " allowed)";
+    supporters_[worst].unusable = why.str();
+    if (!supporters_[worst].contradicts_since) supporters_[worst].contradicts_since = time_;
+    contradicting.push_back(worst);
+  }
+  for (const std::size_t number : usable()) {
+    if (supporters_[number].key.tracker == reporting) supporters_[number].contradicts_since.reset();
+  }
+  std::sort(contradicting.begin(), contradicting.end());
+  return contradicting;
 }
 
 Estimate<4> GlobalTrack::opinion() const {

@@ -5,15 +5,17 @@
 #include <sstream>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "sightline/core/kinematics.h"
-#include "sightline/core/sighting.h"
 
 namespace sightline::core {
 namespace {
 
-constexpr double kAsymmetry = 1e-6;          // of an entry, relative to the two sigmas
-constexpr double kLeastUncorrelated = 1e-12; // share of a component's variance that the others leave open
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kSmallestSigma = 1e-9;       // [rad]: a thousandth of an arc second
+constexpr double kAsymmetry = 1e-6;           // of an entry, relative to the two sigmas
+constexpr double kLeastUncorrelated = 1e-12;  // share of a component's variance that the others leave open
 
 /// Unit-free: ones on the diagonal.
 Eigen::Matrix4d correlationOf(const Eigen::Matrix4d& covariance) {
@@ -48,6 +50,11 @@ Eigen::Vector2d impliedProcessNoise(const Eigen::Matrix4d& covariance) {
 std::optional<std::string> rejectionOf(const AngularState& state) {
   std::ostringstream why;
   if (!state.mean.allFinite() || !state.covariance.allFinite()) return "state or covariance is not finite";
+  if (std::abs(state.mean(0)) > 2.0 * kPi || std::abs(state.mean(1)) > kPi / 2.0) {
+    why << "direction (" << state.mean(0) << ", " << state.mean(1)
+        << ") rad is off the sphere: azimuth within +-2 pi, elevation within +-pi/2; are these degrees?";
+    return why.str();
+  }
   const Eigen::Vector4d variances = state.covariance.diagonal();
   if (variances.isZero(0.0))
     return "covariance is zero (is this the truth?): a local track must state its own";
@@ -61,7 +68,21 @@ std::optional<std::string> rejectionOf(const AngularState& state) {
   if (!isPositiveDefinite(symmetric(correlation))) {
     return "covariance is not positive definite (its correlations contradict one another)";
   }
-  return rejectionOf(state.angles(), state.anglesCovariance());
+  // On the sphere, where azimuth shrinks with the cosine of the elevation.
+  const Eigen::Vector2d shrink(std::max(std::cos(state.mean(1)), kSmallestSigma), 1.0);
+  const Eigen::Matrix2d on_sphere = shrink.asDiagonal() * state.anglesCovariance() * shrink.asDiagonal();
+  const double least = std::sqrt(
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(on_sphere, Eigen::EigenvaluesOnly).eigenvalues()(0));
+  if (!(least >= kSmallestSigma)) {
+    why << "sigma " << least << " rad is below " << kSmallestSigma << " rad: no tracker is that good";
+    return why.str();
+  }
+  if (!(least <= kPi / 2.0)) {
+    why << "sigma " << least
+        << " rad is above pi/2 in every direction: the track says nothing; are these degrees?";
+    return why.str();
+  }
+  return std::nullopt;
 }
 
 }  // namespace sightline::core

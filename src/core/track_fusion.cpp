@@ -28,6 +28,7 @@ void check(const TrackFusionParams& params) {
   check(params.gate_probability > 0.0 && params.gate_probability < 1.0,
         "gate_probability in (0, 1) is required");
   check(params.leave_factor >= 1.0, "leave_factor >= 1 is required");
+  check(params.leave_after >= 0.0, "leave_after >= 0 s is required");
   check(params.registration_sigma >= 0.0, "registration_sigma >= 0 rad is required");
   check(params.process_noise >= 0.0,
         "process_noise >= 0 rad^2/s^3 is required (0 = implied by the covariances)");
@@ -68,7 +69,7 @@ FusionReport TrackFusion::onReport(const LocalReport& report) {
   time_ = reports_.newest();
 
   follow(report.tracker);
-  separate();
+  separate(report.tracker);
   for (const auto& named : reports_.trackers()) associate(named.first, named.first == report.tracker);
   for (Entry& entry : entries_) fuse(entry, report.tracker);
   dropSilent();
@@ -108,21 +109,15 @@ void TrackFusion::follow(const std::string& reporting) {
   }
 }
 
-/// Supporters that contradict the others go, the worst first; of two, the one that came later.
-void TrackFusion::separate() {
+/// Supporters that contradict the others do not count, and go when they have done so for long.
+void TrackFusion::separate(const std::string& reporting) {
+  const double threshold = params_.leave_factor * join_threshold_;
   for (Entry& entry : entries_) {
-    for (;;) {
-      entry.track.compareSupporters(params_.registration_sigma);
-      const auto& supporters = entry.track.supporters();
-      std::size_t worst = supporters.size();
-      double farthest = params_.leave_factor * join_threshold_;
-      for (std::size_t i = 0; i < supporters.size(); ++i) {
-        if (!(supporters[i].distance_squared >= farthest)) continue;  // NaN: nobody to contradict
-        farthest = supporters[i].distance_squared;
-        worst = i;
-      }
-      if (worst == supporters.size()) break;
-      entry.track.leave(worst);
+    const std::vector<std::size_t> contradicting =
+        entry.track.leaveOutContradictions(params_.registration_sigma, threshold, reporting);
+    for (auto number = contradicting.rbegin(); number != contradicting.rend(); ++number) {
+      const Time since = *entry.track.supporters()[*number].contradicts_since;
+      if (seconds(time_ - since) >= params_.leave_after) entry.track.leave(*number);
     }
   }
 }

@@ -95,6 +95,9 @@ TEST(TrackAlignment, ImpliedProcessNoiseIsBoundedWhereRatesAreNotKnown) {
 TEST(TrackAlignment, GoodStatesAreAccepted) {
   EXPECT_FALSE(rejectionOf(someState(1e-5)));
   EXPECT_FALSE(rejectionOf(someState(0.05)));
+  AngularState azimuth_alone = someState();
+  azimuth_alone.covariance.diagonal() += Eigen::Vector4d(0.0, 25.0, 0.0, 25.0);
+  EXPECT_FALSE(rejectionOf(azimuth_alone));
 }
 
 TEST(TrackAlignment, EveryBadStateIsRefusedWithItsReason) {

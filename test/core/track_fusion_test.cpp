@@ -130,31 +130,47 @@ TEST(TrackFusion, TentativeTrackStartsNothingAndIsLeftOut) {
   EXPECT_EQ(reasonsOf(report.left_out), (Names{"a 1 tentative"}));
 }
 
-TEST(TrackFusion, SupporterStaysBeyondTheGateUntilItContradictsClearly) {
+TEST(TrackFusion, SupporterStaysBeyondTheGateUntilItContradictsClearlyAndForLong) {
   TrackFusion fusion({});
   const auto bReportsAt = [&fusion](double t, double azimuth) {
     fusion.onReport(reportOf("a", t, {localTrack(1, {0.0, 0.0})}));
-    return fusion.onReport(reportOf("b", t, {localTrack(1, {azimuth, 0.0})}));
+    return fusion.onReport(reportOf("b", t, {localTrack(1, {azimuth, 0.0})})).tracks;
   };
   const double threshold = chiSquareQuantile4(TrackFusionParams{}.gate_probability);
   // Along azimuth alone the distance squared of two equal sources is azimuth^2 / (2 sigma^2) * 2.
   const auto azimuthFor = [](double distance_squared) { return 1e-3 * std::sqrt(distance_squared); };
-  EXPECT_EQ(bReportsAt(1.0, azimuthFor(1.4 * threshold)).tracks.size(), 2u) << "outside the gate: no joining";
-  EXPECT_EQ(bReportsAt(1.1, azimuthFor(0.5 * threshold)).tracks.size(), 1u);
-  EXPECT_EQ(bReportsAt(1.2, azimuthFor(1.4 * threshold)).tracks.size(), 1u) << "outside the gate: staying";
-  EXPECT_EQ(bReportsAt(1.3, azimuthFor(2.4 * threshold)).tracks.size(), 2u);
+  EXPECT_EQ(bReportsAt(1.0, azimuthFor(1.4 * threshold)).size(), 2u) << "outside the gate: no joining";
+  EXPECT_EQ(bReportsAt(1.1, azimuthFor(0.5 * threshold)).size(), 1u);
+  EXPECT_EQ(bReportsAt(1.2, azimuthFor(1.4 * threshold)).at(0).sources.size(), 2u)
+      << "outside the gate: staying";
+
+  for (const double t : {1.3, 1.5, 1.7}) {  // contradicting, but not for half a second
+    const auto tracks = bReportsAt(t, azimuthFor(2.4 * threshold));
+    ASSERT_EQ(tracks.size(), 1u);
+    EXPECT_EQ(sourcesOf(tracks[0]), (Names{"a 1"}));
+    EXPECT_EQ(reasonsOf(tracks[0].left_out), (Names{"b 1 contradiction"}));
+    EXPECT_NEAR(tracks[0].left_out[0].distance_squared, 2.4 * threshold, 1e-6);
+  }
+  EXPECT_EQ(bReportsAt(1.75, azimuthFor(1.4 * threshold)).at(0).sources.size(), 2u) << "it agrees again";
+  EXPECT_EQ(bReportsAt(1.8, azimuthFor(2.4 * threshold)).size(), 1u);
+  EXPECT_EQ(bReportsAt(2.2, azimuthFor(2.4 * threshold)).size(), 1u) << "counted from the new beginning";
+  EXPECT_EQ(bReportsAt(2.3, azimuthFor(2.4 * threshold)).size(), 2u);
 }
 
-TEST(TrackFusion, WorstOfThreeIsTheOneThatLeaves) {
+TEST(TrackFusion, WorstOfThreeIsTheOneThatIsLeftOutAndGoes) {
   TrackFusion fusion({});
+  FusionReport report;
   for (const char* tracker : {"a", "b", "c"})
     fusion.onReport(reportOf(tracker, 1.0, {localTrack(1, {0.0, 0.0})}));
-  // The good tracks report after the bad one; none of them may be taken for the culprit.
-  fusion.onReport(reportOf("a", 1.1, {localTrack(1, {0.02, 0.0})}));
-  fusion.onReport(reportOf("b", 1.1, {localTrack(1, {0.0, 0.0})}));
-  const FusionReport report = fusion.onReport(reportOf("c", 1.1, {localTrack(1, {0.0, 0.0})}));
-  ASSERT_EQ(report.tracks.size(), 2u);
-  EXPECT_EQ(sourcesOf(report.tracks[0]), (Names{"b 1", "c 1"}));
+  for (int k = 0; k < 7; ++k) {
+    // The good tracks report after the bad one; none of them may be taken for the culprit.
+    const double t = 1.1 + 0.1 * k;
+    fusion.onReport(reportOf("a", t, {localTrack(1, {0.02, 0.0})}));
+    fusion.onReport(reportOf("b", t, {localTrack(1, {0.0, 0.0})}));
+    report = fusion.onReport(reportOf("c", t, {localTrack(1, {0.0, 0.0})}));
+    EXPECT_EQ(sourcesOf(report.tracks.at(0)), (Names{"b 1", "c 1"})) << t;
+    EXPECT_EQ(report.tracks.size(), k < 5 ? 1u : 2u) << t;
+  }
   EXPECT_EQ(sourcesOf(report.tracks[1]), (Names{"a 1"}));
 }
 
@@ -568,6 +584,7 @@ TEST(TrackFusion, ParametersOutOfRangeAreRefused) {
   };
   refused([](TrackFusionParams& p) { p.gate_probability = 1.0; });
   refused([](TrackFusionParams& p) { p.leave_factor = 0.5; });
+  refused([](TrackFusionParams& p) { p.leave_after = -1.0; });
   refused([](TrackFusionParams& p) { p.registration_sigma = -1.0; });
   refused([](TrackFusionParams& p) { p.process_noise = std::nan(""); });
   refused([](TrackFusionParams& p) { p.reports.max_age = 0.0; });

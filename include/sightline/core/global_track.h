@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct Supporter {
   Eigen::Vector2d density = Eigen::Vector2d::Zero();  ///< of white acceleration, for predictions [rad^2/s^3]
   std::string unusable;      ///< why it does not count at the moment ("kind: details"); empty when it does
   bool contributed = false;  ///< to the last fusion
+  std::optional<Time> contradicts_since;  ///< when it began to contradict the others
   /// From the other usable supporters taken together, at the last look [1]; NaN = there are none.
   double distance_squared = std::numeric_limits<double>::quiet_NaN();
 };
@@ -56,7 +58,9 @@ class GlobalTrack {
   double renew(std::size_t supporter, const LocalTrack& local);
 
   void leave(std::size_t supporter);
-  void setUnusable(std::size_t supporter, const std::string& why) { supporters_[supporter].unusable = why; }
+
+  /// Says that the supporter does not count at the moment, or (empty) that it does.
+  void setUnusable(std::size_t supporter, const std::string& why);
 
   /// Takes over all supporters of another track at the same time; no tracker may be in both.
   void absorb(const GlobalTrack& other);
@@ -64,6 +68,13 @@ class GlobalTrack {
   /// Computes every usable supporter's distance from the others taken together. `registration_sigma`: error
   /// in the alignment between trackers to allow for [rad].
   void compareSupporters(double registration_sigma);
+
+  /// The same; and those farther from the others than `threshold` [1] do not count, the worst first (of two,
+  /// the one that came later), until the rest agree. Returns their numbers, ascending. Since when a supporter
+  /// contradicts is remembered until it agrees in a report of its own (`reporting` is the tracker that sent
+  /// one now), as a prediction agrees the easier the older it is.
+  std::vector<std::size_t> leaveOutContradictions(double registration_sigma, double threshold,
+                                                  const std::string& reporting);
 
   /// What all usable supporters say together (as if independent), or without any the predicted last estimate;
   /// in this chart.

@@ -30,7 +30,8 @@ constexpr double kLargestDensityRatio = 1e6;
 
 /// Why a reported state cannot be used; nullopt when it can. Refused: a mean that is not finite or off the
 /// sphere (degrees?), a covariance that is not finite, not symmetric, not positive definite (zero: truth?),
-/// or whose position sigma on the sphere is below 1e-9 rad or above pi/2 rad.
+/// or whose smallest position sigma on the sphere is below 1e-9 rad or above pi/2 rad. One large sigma is
+/// welcome: a sensor that sees the azimuth alone leaves the elevation open.
 std::optional<std::string> rejectionOf(const AngularState& state);
 
 }  // namespace sightline::core

@@ -25,7 +25,8 @@ struct TrackFusionParams {
   /// Probability that two tracks of one target are recognised as such, if their covariances are right, in (0,
   /// 1).
   double gate_probability = 0.999;
-  double leave_factor = 2.0;        ///< a supporter goes at this many times the gate's threshold, >= 1
+  double leave_factor = 2.0;        ///< a supporter contradicts at this many times the gate's threshold, >= 1
+  double leave_after = 0.5;         ///< a supporter that contradicts for so long goes [s], >= 0
   double registration_sigma = 0.0;  ///< misalignment between trackers to allow for in the gate [rad], >= 0
 
   /// Density of white angular acceleration for predictions to the common time and for cross_covariance
@@ -43,16 +44,16 @@ struct TrackFusionParams {
 /// as seen from the same point.
 ///
 /// A global track is the fusion of its supporters - at most one local track of each tracker - at the newest
-/// stamp reported; it is never filtered over time and never fed back. Who supports whom is remembered: a
-/// supporter stays until it contradicts the others taken together (not itself included) by more than
-/// `leave_factor` gates, the worst first; everybody else is assigned to the nearest within the gate.
-/// Confirmed tracks that belong nowhere start a global track; two global tracks that turn out to be one
-/// become the older.
+/// stamp reported; it is never filtered over time and never fed back. Who supports whom is remembered. A
+/// supporter that contradicts the others taken together (not itself included) by more than `leave_factor`
+/// gates is left out, the worst first, and goes if that lasts for `leave_after`; everybody else is assigned
+/// to the nearest within the gate. Confirmed tracks that belong nowhere start a global track; two global
+/// tracks that turn out to be one become the older.
 ///
-/// Left out, with the reason: tentative tracks; invalid states; reports older than `max_age`; coasting tracks
-/// not seen for longer than `coasting_age`, unless nothing better is there (so that a global track lives as
-/// long as a local one); tracks that share a sensor with a surer one, as the same sightings would count
-/// twice, unless the rule is covariance_intersection, which holds for any correlation, or
+/// Left out, with the reason: contradictions; tentative tracks; invalid states; reports older than `max_age`;
+/// coasting tracks not seen for longer than `coasting_age`, unless nothing better is there (so that a global
+/// track lives as long as a local one); tracks that share a sensor with a surer one, as the same sightings
+/// would count twice, unless the rule is covariance_intersection, which holds for any correlation, or
 /// `allow_shared_sensors`. A tracker's own name counts as a sensor of its, so that a fusion and what it was
 /// made of are not fused again.
 class TrackFusion {
@@ -82,7 +83,7 @@ class TrackFusion {
   };
 
   void follow(const std::string& reporting);
-  void separate();
+  void separate(const std::string& reporting);
   void associate(const std::string& tracker, bool merge);
   Eigen::MatrixXd distances(const std::vector<Row>& rows, const std::vector<std::size_t>& columns) const;
   void unite(std::vector<std::pair<std::size_t, std::size_t>> pairs);

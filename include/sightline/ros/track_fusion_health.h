@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
+#include <sightline/TrackArray.h>
+
+#include "sightline/core/time.h"
+#include "sightline/ros/param_reader.h"
+#include "sightline/ros/track_fusion_component.h"
+
+namespace sightline_ros {
+
+/// What an operator is told about a track fusion: rate and age of every source, global tracks by status, what
+/// was refused or left out and why. Times are the clock's, handed in.
+class TrackFusionHealth {
+ public:
+  /// Reads `silence` of this level [s].
+  static double silenceFrom(const ParamReader& reader);
+
+  /// `topics` are those that are expected to speak; without a message for `silence` [s] one is reported as
+  /// silent.
+  TrackFusionHealth(const std::vector<std::string>& topics, double silence);
+
+  void note(const sightline::TrackArray& local, const std::string& topic, const FusionResult& result);
+
+  /// Lines to warn with, for what needs the operator's hand and was not complained of lately: at most one in
+  /// five seconds of `now` for each kind.
+  std::vector<std::string> warnings(sightline::core::Time now);
+
+  /// Fills a diagnostic status; rates and the level are over the time since the last call.
+  void diagnose(sightline::core::Time now, diagnostic_updater::DiagnosticStatusWrapper& status);
+
+ private:
+  struct Source {
+    std::string tracker;  // empty before the first message
+    std::uint64_t messages = 0;
+    std::uint64_t messages_before = 0;  // at the last diagnosis
+    std::size_t tracks = 0;             // in the last message
+    sightline::core::Time newest{};
+  };
+  struct Complaint {
+    std::uint64_t count = 0;
+    std::uint64_t count_before = 0;  // at the last diagnosis
+    std::uint64_t count_warned = 0;  // at the last warning
+    std::string latest;              // "kind: details"
+    std::optional<sightline::core::Time> last_warning;
+  };
+
+  void complain(const std::string& reason);
+  void noteLeftOut(const std::vector<sightline::SourceTrack>& rows);
+  void summarize(sightline::core::Time now, diagnostic_updater::DiagnosticStatusWrapper& status) const;
+
+  double silence_;
+  std::map<std::string, Source> sources_;        // by topic
+  std::map<std::string, Complaint> complaints_;  // by kind
+  std::map<std::string, std::size_t> left_out_;  // local tracks by kind of reason, in the last report
+  std::array<std::uint64_t, 3> tracks_{};        // global, by status, in the last report
+  std::optional<sightline::core::Time> last_diagnosis_;
+};
+
+}  // namespace sightline_ros

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "sightline/core/track_fusion.h"
+#include "sightline/ros/param_reader.h"
+
+namespace sightline_ros {
+
+/// Reads the keys of config/track_fusion.yaml that make the fusion, at this level of `reader`; defaults,
+/// units and meaning are at the struct. Throws ParamError.
+sightline::core::TrackFusionParams loadTrackFusionParams(const ParamReader& reader,
+                                                         sightline::core::TrackFusionParams defaults = {});
+
+}  // namespace sightline_ros

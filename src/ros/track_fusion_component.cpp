@@ -1,0 +1,152 @@
+#include "sightline/ros/track_fusion_component.h"
+
+#include <boost/make_shared.hpp>
+#include <sstream>
+
+#include "sightline/ros/conversions.h"
+#include "sightline/ros/track_fusion_params.h"
+
+namespace sightline_ros {
+
+namespace core = sightline::core;
+
+namespace {
+
+constexpr double kDefaultMaxFuture = 0.1;  // [s]
+const char* const kDefaultTrackingFrame = "platform_enu";
+
+std::string nameFrom(const ParamReader& reader, const std::string& fallback) {
+  const std::string name = reader.text("tracker_name", "");
+  return name.empty() ? fallback : name;
+}
+
+sightline::SourceTrack toMessage(const core::SourceTrack& row) {
+  sightline::SourceTrack message;
+  message.tracker = row.tracker;
+  message.id = row.id;
+  message.weight = row.weight;
+  message.distance_squared = row.distance_squared;
+  message.age = row.age;
+  message.reason = row.reason;
+  return message;
+}
+
+std::vector<sightline::SourceTrack> toMessages(const std::vector<core::SourceTrack>& rows) {
+  std::vector<sightline::SourceTrack> messages;
+  messages.reserve(rows.size());
+  for (const core::SourceTrack& row : rows) messages.push_back(toMessage(row));
+  return messages;
+}
+
+core::LocalReport toCore(const sightline::TrackArray& message) {
+  core::LocalReport report{message.tracker, sightline_ros::toCore(message.header.stamp), {}};
+  report.tracks.reserve(message.tracks.size());
+  for (const sightline::Track& track : message.tracks) report.tracks.push_back(sightline_ros::toCore(track));
+  return report;
+}
+
+}  // namespace
+
+TrackFusionComponent::TrackFusionComponent(const ParamReader& reader, const std::string& name)
+    : name_(nameFrom(reader, name)),
+      tracking_frame_(reader.text("tracking_frame", kDefaultTrackingFrame)),
+      max_future_(reader.number("max_future", kDefaultMaxFuture, atLeast(0.0), "s")),
+      params_(loadTrackFusionParams(reader)),
+      fusion_(params_) {
+  if (tracking_frame_.empty()) throw reader.error("tracking_frame", "expected the name of a frame, got \"\"");
+}
+
+FusionResult TrackFusionComponent::onTracks(const sightline::TrackArray& local, const std::string& topic,
+                                            core::Time now) {
+  const std::string refusal = refusalOf(local, topic, now);
+  if (!refusal.empty()) return refused(local, refusal);
+
+  const core::LocalReport report = toCore(local);
+  core::FusionReport fused = fusion_.onReport(report);
+  FusionResult result;
+  result.refusal = fused.refusal;
+  result.report = fusionReport(fused);
+  if (!fused.refusal.empty()) return result;
+  origins_[local.tracker] = {topic, report.time};
+  while (origins_.size() > static_cast<std::size_t>(params_.reports.max_trackers)) {
+    origins_.erase(origins_.begin()->first == local.tracker ? std::next(origins_.begin()) : origins_.begin());
+  }
+  result.tracks = trackArray(fused);
+  latest_ = std::move(fused);
+  return result;
+}
+
+void TrackFusionComponent::reset() {
+  fusion_.reset();
+  origins_.clear();
+  latest_ = {};
+}
+
+std::string TrackFusionComponent::refusalOf(const sightline::TrackArray& local, const std::string& topic,
+                                            core::Time now) {
+  std::ostringstream why;
+  const core::Time stamp = sightline_ros::toCore(local.header.stamp);
+  const double ahead = core::seconds(stamp - now);
+  if (local.tracker == name_) {
+    why << "feedback: \"" << name_ << "\" is this fusion itself; it must not be fed with its own tracks";
+  } else if (local.header.frame_id != tracking_frame_) {
+    why << "frame: the tracks of \"" << local.tracker << "\" are in \"" << local.header.frame_id
+        << "\", not in \"" << tracking_frame_
+        << "\" (tracking_frame); directions from another origin cannot be fused";
+  } else if (now != core::Time{} && ahead > max_future_) {
+    why << "future: the stamp of \"" << local.tracker << "\" is " << ahead
+        << " s ahead of the clock (max_future " << max_future_
+        << " s); are the computers' clocks synchronised?";
+  } else if (const auto origin = origins_.find(local.tracker);
+             origin != origins_.end() && origin->second.topic != topic &&
+             core::seconds(stamp - origin->second.newest) <= params_.reports.max_age) {
+    why << "name: \"" << local.tracker << "\" on " << topic << " reports on " << origin->second.topic
+        << " already; give each tracker a tracker_name of its own";
+  }
+  return why.str();
+}
+
+FusionResult TrackFusionComponent::refused(const sightline::TrackArray& local, const std::string& why) const {
+  core::FusionReport report = latest_;
+  for (const sightline::Track& track : local.tracks) {
+    if (report.left_out.size() >= static_cast<std::size_t>(params_.reports.max_tracks)) break;
+    core::SourceTrack row;
+    row.tracker = local.tracker;
+    row.id = track.id;
+    row.age = core::seconds(latest_.time - sightline_ros::toCore(local.header.stamp));
+    row.reason = why;
+    report.left_out.push_back(row);
+  }
+  return {nullptr, fusionReport(report), why};
+}
+
+sightline::TrackArray::Ptr TrackFusionComponent::trackArray(const core::FusionReport& fused) const {
+  auto message = boost::make_shared<sightline::TrackArray>();
+  message->header.stamp = toRos(fused.time);
+  message->header.frame_id = tracking_frame_;
+  message->tracker = name_;
+  message->estimator = nameOf(params_.rule);
+  message->tracks.reserve(fused.tracks.size());
+  for (const core::FusedTrack& track : fused.tracks)
+    message->tracks.push_back(sightline_ros::toMessage(track.track));
+  return message;
+}
+
+sightline::FusionReport::Ptr TrackFusionComponent::fusionReport(const core::FusionReport& fused) const {
+  auto message = boost::make_shared<sightline::FusionReport>();
+  message->header.stamp = toRos(fused.time);
+  message->header.frame_id = tracking_frame_;
+  message->tracks.reserve(fused.tracks.size());
+  for (const core::FusedTrack& track : fused.tracks) {
+    sightline::FusedTrack row;
+    row.id = track.track.id;
+    row.rule = nameOf(track.rule);
+    row.sources = toMessages(track.sources);
+    row.left_out = toMessages(track.left_out);
+    message->tracks.push_back(row);
+  }
+  message->left_out = toMessages(fused.left_out);
+  return message;
+}
+
+}  // namespace sightline_ros

@@ -1,0 +1,97 @@
+#include "sightline/ros/track_fusion_node.h"
+
+#include <set>
+
+#include <ros/console.h>
+#include <sightline/FusionReport.h>
+
+#include "sightline/ros/conversions.h"
+
+namespace sightline_ros {
+namespace {
+
+constexpr std::uint32_t kQueue = 1000;              // messages a topic
+constexpr double kSecondsBetweenDiagnostics = 1.0;  // of the wall's clock
+
+sightline::core::Time clockNow() {
+  return toCore(ros::Time::now());
+}
+
+/// The node's full name without the leading slash.
+std::string nameOfNode(const ros::NodeHandle& pnh) {
+  return pnh.getNamespace().substr(1);
+}
+
+std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHandle& nh) {
+  std::set<std::string> seen;
+  std::vector<std::string> topics;
+  for (const std::string& topic : reader.requiredTexts("track_topics")) {
+    topics.push_back(nh.resolveName(topic));
+    if (!seen.insert(topics.back()).second) {
+      throw reader.error("track_topics", "expected different topics, got " + topics.back() + " twice");
+    }
+  }
+  if (topics.size() < 2) {
+    throw reader.error("track_topics", "expected two topics of sightline/TrackArray or more, got one");
+  }
+  return topics;
+}
+
+}  // namespace
+
+TrackFusionNode::TrackFusionNode(ros::NodeHandle nh, ros::NodeHandle pnh)
+    : TrackFusionNode(nh, pnh, ParamReader(pnh)) {}
+
+TrackFusionNode::TrackFusionNode(ros::NodeHandle nh, ros::NodeHandle pnh, const ParamReader& reader)
+    : nh_(nh),
+      component_(reader, nameOfNode(pnh)),
+      topics_(topicsFrom(reader, nh)),
+      health_(topics_, TrackFusionHealth::silenceFrom(reader)),
+      diagnostics_(nh, pnh, pnh.getNamespace()) {
+  reader.finish();
+
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("fusion", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
+    health_.diagnose(clockNow(), status);
+  });
+  diagnostics_timer_ =
+      nh_.createWallTimer(ros::WallDuration(kSecondsBetweenDiagnostics),
+                          [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  tracks_ = nh_.advertise<sightline::TrackArray>("fusion/tracks", kQueue);
+  report_ = nh_.advertise<sightline::FusionReport>("fusion/report", kQueue);
+
+  std::string all;
+  for (const std::string& topic : topics_) {
+    subscribers_.push_back(nh_.subscribe<sightline::TrackArray>(
+        topic, kQueue,
+        [this, topic](const sightline::TrackArray::ConstPtr& local) { onTracks(local, topic); },
+        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+    all += " " + topic;
+  }
+  ROS_INFO_STREAM(component_.name() << ": " << component_.rule() << " in frame " << component_.trackingFrame()
+                                    << ", listens to" << all);
+}
+
+void TrackFusionNode::onTracks(const sightline::TrackArray::ConstPtr& local, const std::string& topic) {
+  const sightline::core::Time now = clockNow();
+  noticeTimeJump(now);
+  const FusionResult result = component_.onTracks(*local, topic, now);
+  if (result.tracks) tracks_.publish(result.tracks);
+  report_.publish(result.report);
+  health_.note(*local, topic, result);
+  for (const std::string& warning : health_.warnings(now))
+    ROS_WARN_STREAM(component_.name() << ": " << warning);
+}
+
+/// Simulated time that steps back (a recording in a loop) starts everything again.
+void TrackFusionNode::noticeTimeJump(sightline::core::Time now) {
+  if (ros::Time::isSimTime() && now < last_now_) {
+    ROS_WARN_STREAM(component_.name()
+                    << ": time stepped back by " << sightline::core::seconds(last_now_ - now)
+                    << " s; forgets all tracks");
+    component_.reset();
+  }
+  last_now_ = now;
+}
+
+}  // namespace sightline_ros

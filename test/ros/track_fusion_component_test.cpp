@@ -1,0 +1,264 @@
+#include "sightline/ros/track_fusion_component.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sightline/ros/conversions.h"
+#include "sightline/ros/track_fusion_health.h"
+#include "sightline/ros/track_fusion_params.h"
+
+#include "scratch_folder.h"
+
+namespace {
+
+namespace core = sightline::core;
+using sightline_ros::FusionResult;
+using sightline_ros::ParamError;
+using sightline_ros::ParamReader;
+using sightline_ros::TrackFusionComponent;
+using sightline_ros::TrackFusionHealth;
+
+core::Time at(double seconds) {
+  return core::Time(core::durationOf(seconds));
+}
+
+sightline::TrackArray tracksOf(const std::string& tracker, double stamp, double azimuth = 0.5) {
+  sightline::TrackArray array;
+  array.header.stamp = ros::Time(stamp);
+  array.header.frame_id = "platform_enu";
+  array.tracker = tracker;
+  array.tracks.resize(1);
+  sightline::Track& track = array.tracks[0];
+  track.id = 7;
+  track.status = sightline::Track::CONFIRMED;
+  track.azimuth = azimuth;
+  track.covariance[0] = track.covariance[5] = 1e-6;
+  track.covariance[10] = track.covariance[15] = 1e-5;
+  track.last_sighting = array.header.stamp;
+  track.hits = 10;
+  track.sources = {"sensor of " + tracker};
+  return array;
+}
+
+core::TrackFusionParams paramsOf(const std::string& yaml) {
+  const ScratchFolder folder;
+  const ParamReader reader = ParamReader::fromYaml(folder.write("params.yaml", yaml));
+  const core::TrackFusionParams params = sightline_ros::loadTrackFusionParams(reader);
+  reader.finish();
+  return params;
+}
+
+TEST(TrackFusionParams, ShippedFileSaysTheDefaultsAndNothingElse) {
+  const ParamReader reader = ParamReader::fromYaml(SIGHTLINE_SOURCE_DIR "/config/track_fusion.yaml");
+  const TrackFusionComponent component(reader, "node");
+  TrackFusionHealth::silenceFrom(reader);
+  EXPECT_NO_THROW(reader.finish());
+  EXPECT_EQ(reader.differences(), std::vector<std::string>{});
+  EXPECT_EQ(component.name(), "node");
+}
+
+TEST(TrackFusionParams, EveryKeyReachesItsField) {
+  for (const auto rule : {core::FusionRule::weighted_covariance, core::FusionRule::cross_covariance,
+                          core::FusionRule::covariance_intersection}) {
+    EXPECT_EQ(paramsOf("rule: " + nameOf(rule)).rule, rule);
+  }
+  EXPECT_EQ(paramsOf("intersection_weights: trace").intersection_weights, core::IntersectionWeights::trace);
+  const core::TrackFusionParams params = paramsOf(
+      "gate: {probability: 0.9, leave_factor: 3.0, leave_after: 0.7, registration_sigma: "
+      "0.01}\nprocess_noise: 0.3\n"
+      "max_age: 2.0\ncoasting_age: 0.6\ndelete_after: 4.0\nforget_after: 20.0\nallow_shared_sensors: true\n"
+      "max_trackers: 5\nmax_local_tracks: 6\nmax_tracks: 7\n");
+  EXPECT_EQ(params.gate_probability, 0.9);
+  EXPECT_EQ(params.leave_factor, 3.0);
+  EXPECT_EQ(params.leave_after, 0.7);
+  EXPECT_EQ(params.registration_sigma, 0.01);
+  EXPECT_EQ(params.process_noise, 0.3);
+  EXPECT_EQ(params.reports.max_age, 2.0);
+  EXPECT_EQ(params.coasting_age, 0.6);
+  EXPECT_EQ(params.delete_after, 4.0);
+  EXPECT_EQ(params.reports.forget_after, 20.0);
+  EXPECT_TRUE(params.allow_shared_sensors);
+  EXPECT_EQ(params.reports.max_trackers, 5);
+  EXPECT_EQ(params.reports.max_tracks, 6);
+  EXPECT_EQ(params.max_tracks, 7);
+}
+
+TEST(TrackFusionParams, BadValuesAreRefused) {
+  for (const char* yaml : {"rule: kalman", "gate: {probability: 1.0}", "gate: {leave_factor: 0.5}",
+                           "gate: {registration_sigma: -1.0}", "process_noise: -1.0", "max_age: 0.0",
+                           "{max_age: 3.0, forget_after: 2.0}", "max_tracks: 0", "allow_shared_sensors: 1",
+                           "intersection_weights: best", "unknown_key: 1"}) {
+    EXPECT_THROW(paramsOf(yaml), ParamError) << yaml;
+  }
+}
+
+class Component : public testing::Test {
+ protected:
+  FusionResult fuse(const sightline::TrackArray& local, const std::string& topic = "") {
+    return component_.onTracks(local, topic.empty() ? "/" + local.tracker + "/tracks" : topic,
+                               sightline_ros::toCore(local.header.stamp));
+  }
+
+  ParamReader reader_{XmlRpc::XmlRpcValue(), "/test"};
+  TrackFusionComponent component_{reader_, "my_fusion"};
+};
+
+TEST_F(Component, TracksOfTwoTrackersBecomeOneAndTheReportNamesThem) {
+  fuse(tracksOf("a", 10.0));
+  const FusionResult result = fuse(tracksOf("b", 10.1));
+  ASSERT_TRUE(result.tracks);
+  EXPECT_EQ(result.tracks->header.stamp, ros::Time(10.1));
+  EXPECT_EQ(result.tracks->header.frame_id, "platform_enu");
+  EXPECT_EQ(result.tracks->tracker, "my_fusion");
+  EXPECT_EQ(result.tracks->estimator, "cross_covariance");
+  ASSERT_EQ(result.tracks->tracks.size(), 1u);
+  EXPECT_EQ(result.tracks->tracks[0].id, 1u);
+  EXPECT_EQ(result.tracks->tracks[0].sources, (std::vector<std::string>{"a", "b"}));
+  EXPECT_LT(result.tracks->tracks[0].covariance[0], 1e-6);
+  EXPECT_EQ(result.tracks->tracks[0].last_sighting, ros::Time(10.1));
+
+  EXPECT_EQ(result.report->header.stamp, result.tracks->header.stamp);
+  EXPECT_EQ(result.report->header.frame_id, "platform_enu");
+  ASSERT_EQ(result.report->tracks.size(), 1u);
+  const sightline::FusedTrack& fused = result.report->tracks[0];
+  EXPECT_EQ(fused.id, 1u);
+  EXPECT_EQ(fused.rule, "cross_covariance");
+  ASSERT_EQ(fused.sources.size(), 2u);
+  EXPECT_EQ(fused.sources[0].tracker, "a");
+  EXPECT_EQ(fused.sources[0].id, 7u);
+  EXPECT_NEAR(fused.sources[0].age, 0.1, 1e-9);
+  EXPECT_NEAR(fused.sources[0].weight + fused.sources[1].weight, 1.0, 1e-12);
+  EXPECT_NEAR(fused.sources[0].distance_squared, 0.0, 1e-9);
+  EXPECT_TRUE(fused.left_out.empty());
+}
+
+TEST_F(Component, GarbageIsLeftOutInTheReportWithItsReason) {
+  fuse(tracksOf("a", 10.0));
+  sightline::TrackArray garbage = tracksOf("b", 10.0);
+  garbage.tracks[0].covariance[5] = std::numeric_limits<double>::quiet_NaN();
+  const FusionResult result = fuse(garbage);
+  ASSERT_TRUE(result.tracks);
+  EXPECT_EQ(result.tracks->tracks.at(0).sources, std::vector<std::string>{"a"});
+  ASSERT_EQ(result.report->left_out.size(), 1u);
+  EXPECT_EQ(result.report->left_out[0].tracker, "b");
+  EXPECT_EQ(result.report->left_out[0].reason, "invalid: state or covariance is not finite");
+}
+
+TEST_F(Component, TracksFromAnotherFrameAreRefusedWithTheReason) {
+  fuse(tracksOf("a", 10.0));
+  sightline::TrackArray elsewhere = tracksOf("b", 10.0);
+  elsewhere.header.frame_id = "other_ship";
+  const FusionResult result = fuse(elsewhere);
+  EXPECT_FALSE(result.tracks);
+  EXPECT_NE(result.refusal.find("\"other_ship\", not in \"platform_enu\""), std::string::npos)
+      << result.refusal;
+  ASSERT_EQ(result.report->left_out.size(), 1u);
+  EXPECT_EQ(result.report->left_out[0].reason, result.refusal);
+  EXPECT_EQ(result.report->tracks.size(), 1u) << "the rest is as it was";
+}
+
+TEST_F(Component, StampsFromTheFutureAreRefusedUnlessTheClockIsNotKnown) {
+  const FusionResult result = component_.onTracks(tracksOf("a", 10.5), "/a/tracks", at(10.0));
+  EXPECT_EQ(result.refusal.substr(0, 7), "future:");
+  EXPECT_FALSE(result.tracks);
+  EXPECT_TRUE(component_.onTracks(tracksOf("a", 10.05), "/a/tracks", at(10.0)).tracks);
+  EXPECT_TRUE(component_.onTracks(tracksOf("a", 99.0), "/a/tracks", core::Time{}).tracks);
+}
+
+TEST_F(Component, OwnTracksAreRefused) {
+  EXPECT_EQ(fuse(tracksOf("my_fusion", 10.0)).refusal.substr(0, 9), "feedback:");
+}
+
+TEST_F(Component, NameThatAnotherTopicUsesIsRefusedUntilThatFallsSilent) {
+  EXPECT_EQ(fuse(tracksOf("tracker", 10.0), "/a").refusal, "");
+  EXPECT_EQ(fuse(tracksOf("tracker", 10.1), "/b").refusal.substr(0, 5), "name:");
+  EXPECT_EQ(fuse(tracksOf("tracker", 10.2), "/a").refusal, "");
+  EXPECT_EQ(fuse(tracksOf("tracker", 11.3), "/b").refusal, "") << "moved";
+}
+
+TEST_F(Component, LateTracksAreRefused) {
+  fuse(tracksOf("a", 10.0));
+  const FusionResult result = fuse(tracksOf("a", 9.9));
+  EXPECT_EQ(result.refusal.substr(0, 5), "late:");
+  EXPECT_FALSE(result.tracks);
+}
+
+TEST_F(Component, ResetStartsAgainWithNewIds) {
+  fuse(tracksOf("a", 100.0));
+  component_.reset();
+  const FusionResult result = fuse(tracksOf("a", 10.0));
+  ASSERT_TRUE(result.tracks);
+  EXPECT_EQ(result.tracks->tracks.at(0).id, 2u);
+}
+
+std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& key) {
+  for (const auto& value : status.values) {
+    if (value.key == key) return value.value;
+  }
+  return "(absent)";
+}
+
+TEST_F(Component, HealthShowsRatesAgesTracksAndReasons) {
+  TrackFusionHealth health({"/a/tracks", "/b/tracks"}, 2.0);
+  diagnostic_updater::DiagnosticStatusWrapper before;
+  health.diagnose(at(10.0), before);
+  EXPECT_EQ(before.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(before.message.find("nothing yet on /a/tracks"), std::string::npos) << before.message;
+
+  const auto note = [&](const sightline::TrackArray& local) {
+    health.note(local, "/" + local.tracker + "/tracks", fuse(local));
+  };
+  for (int i = 0; i < 20; ++i) {
+    note(tracksOf("a", 10.0 + 0.05 * i));
+    note(tracksOf("b", 10.0 + 0.05 * i));
+  }
+  sightline::TrackArray elsewhere = tracksOf("b", 11.0);
+  elsewhere.header.frame_id = "other_ship";
+  note(elsewhere);
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(at(11.0), status);
+  EXPECT_EQ(valueOf(status, "/a/tracks: tracker"), "a");
+  EXPECT_EQ(valueOf(status, "/a/tracks: rate [Hz]"), "20.0");
+  EXPECT_EQ(valueOf(status, "/b/tracks: age of last report [s]"), "0.050");
+  EXPECT_EQ(valueOf(status, "/b/tracks: tracks"), "1");
+  EXPECT_EQ(valueOf(status, "global tracks confirmed"), "1");
+  EXPECT_EQ(valueOf(status, "complaints, frame"), "1");
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(status.message.find("frame: 1 new"), std::string::npos) << status.message;
+
+  for (int i = 0; i < 40; ++i) note(tracksOf("a", 11.0 + 0.05 * i));  // b is silent
+  diagnostic_updater::DiagnosticStatusWrapper silent;
+  health.diagnose(at(13.0), silent);
+  EXPECT_EQ(silent.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(silent.message.find("no tracks on /b/tracks for"), std::string::npos) << silent.message;
+  EXPECT_EQ(valueOf(silent, "local tracks left out now, stale"), "1");
+
+  note(tracksOf("b", 13.0));
+  note(tracksOf("a", 13.0));
+  diagnostic_updater::DiagnosticStatusWrapper calm;
+  health.diagnose(at(13.1), calm);
+  EXPECT_EQ(calm.level, diagnostic_msgs::DiagnosticStatus::OK) << calm.message;
+  EXPECT_EQ(calm.message, "1 confirmed");
+}
+
+TEST_F(Component, WarningsOfOneKindComeAtMostEveryFiveSeconds) {
+  TrackFusionHealth health({"/a/tracks"}, 2.0);
+  sightline::TrackArray garbage = tracksOf("a", 10.0);
+  garbage.tracks[0].covariance.fill(0.0);
+  std::vector<std::string> lines;
+  for (int i = 0; i < 120; ++i) {
+    garbage.header.stamp = ros::Time(10.0 + 0.1 * i);
+    health.note(garbage, "/a/tracks", fuse(garbage));
+    for (const std::string& line : health.warnings(at(10.0 + 0.1 * i))) lines.push_back(line);
+  }
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_NE(lines[0].find("covariance is zero"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[0].find("track 7 of \"a\""), std::string::npos) << lines[0];
+  EXPECT_NE(lines[1].find("(50 new, 51 in all)"), std::string::npos) << lines[1];
+}
+
+}  // namespace
