@@ -13,11 +13,12 @@ namespace {
 namespace core = sightline::core;
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr double kGateOpacity = 0.035;
-constexpr double kLabelDistance = 13.0 * kDegree;  // from the rim of the ellipse
+constexpr double kGateOpacity = 0.03;
+constexpr double kLabelDistance = 16.0 * kDegree;  // from the rim of the ellipse
 constexpr double kViewTolerance = 1.0;             // from the view's axis before it is turned [rad]
 constexpr double kHardlyMoving = 0.01;             // [rad/s]
 constexpr double kClockStep = 1.0;                 // backwards, from which a recording starts anew [s]
+constexpr double kMainShell = 0.99;                // in front of all else; share of the radius
 constexpr double kOutlineStep = 4.0 * kDegree;
 constexpr std::size_t kMaxSensors = 64;  // at once; of others nothing is kept
 constexpr const char* kMagnifierChannel = "magnifier";
@@ -117,7 +118,7 @@ std::map<std::string, MarkerArray> DisplayScene::draw(double now) {
     if (channel == kMainChannel) {
       drawMainTracks(sheets[channel], now);
     } else {
-      drawLocalTracks(sheets[channel], channel);
+      drawLocalTracks(sheets[channel], channel, now);
     }
   }
   if (!isHeard(truth_, now)) truth_.clear();
@@ -149,26 +150,28 @@ Colour DisplayScene::colourOf(const std::string& sensor, const SightingMemory::S
 }
 
 void DisplayScene::drawSightings(MarkerArray& array, const std::string& sensor, double now) const {
-  Marker dots = dotSheet(params_.canvas, "sightings", 0.9 * kDegree);
+  Marker dots = dotSheet(params_.canvas, "sightings", 0.8 * kDegree);
   for (const SightingMemory::Seen& seen : sensors_.at(sensor).seen()) {
     drawDot(dots, params_.canvas, seen.direction, colourOf(sensor, seen, now));
   }
   array.markers.push_back(finished(std::move(dots)));
 }
 
-void DisplayScene::drawLocalTracks(MarkerArray& array, const std::string& channel) const {
+void DisplayScene::drawLocalTracks(MarkerArray& array, const std::string& channel, double now) const {
   const TrackMemory& tracker = trackers_.at(channel);
   const Colour colour = colours_.of(channel);
   Marker dots = dotSheet(params_.canvas, "tracks", 0.9 * kDegree);
   Marker ellipses = lineSheet(params_.canvas, "2-sigma ellipses", 0.2 * kDegree);
+  Marker sources = lineSheet(params_.canvas, "sources", 0.1 * kDegree);
   for (const sightline::Track& track : tracker.newest().tracks) {
     const core::AngularState state = toCore(track).state;
     drawDot(dots, params_.canvas, core::directionOf(state.angles()),
             withAlpha(colour, isBelieved(track) ? 1.0 : 0.4));
     if (!isBelieved(track)) continue;
-    drawUncertainty(ellipses, params_.canvas, state, dimmed(colour, 0.8));
+    drawUncertainty(ellipses, params_.canvas, state, dimmed(colour, 0.65));
+    if (track.sources.size() > 1) drawSources(sources, track, now);
   }
-  for (Marker* sheet : {&dots, &ellipses}) array.markers.push_back(finished(std::move(*sheet)));
+  for (Marker* sheet : {&dots, &ellipses, &sources}) array.markers.push_back(finished(std::move(*sheet)));
   drawGates(array, tracker);
 }
 
@@ -188,7 +191,7 @@ void DisplayScene::drawGates(MarkerArray& array, const TrackMemory& tracker) con
       if (!rectangle) continue;
       const Colour colour = sightline_ros::colourOf(outcome);
       drawPatch(patches, params_.canvas, *rectangle, withAlpha(colour, kGateOpacity));
-      drawLine(rims, params_.canvas, rectangleOutline(*rectangle, kOutlineStep), dimmed(colour, 0.5));
+      drawLine(rims, params_.canvas, rectangleOutline(*rectangle, kOutlineStep), dimmed(colour, 0.4));
     }
     array.markers.push_back(finished(std::move(patches)));
     array.markers.push_back(finished(std::move(rims)));
@@ -196,10 +199,11 @@ void DisplayScene::drawGates(MarkerArray& array, const TrackMemory& tracker) con
 }
 
 void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
-  const Canvas& canvas = params_.canvas;
+  Canvas canvas = params_.canvas;
+  canvas.radius *= kMainShell;
   const TrackMemory& tracker = trackers_.at(kMainChannel);
-  Marker dots = dotSheet(canvas, "tracks", 1.1 * kDegree);
-  Marker ellipses = lineSheet(canvas, "2-sigma ellipses", 0.3 * kDegree);
+  Marker dots = dotSheet(canvas, "tracks", 1.2 * kDegree);
+  Marker ellipses = lineSheet(canvas, "2-sigma ellipses", 0.45 * kDegree);
   Marker trails = lineSheet(canvas, "histories", 0.4 * kDegree);
   Marker predictions = lineSheet(canvas, "predictions", 0.15 * kDegree);
   Marker sources = lineSheet(canvas, "sources", 0.2 * kDegree);

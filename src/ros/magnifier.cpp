@@ -7,7 +7,7 @@ namespace sightline_ros {
 namespace {
 
 constexpr double kNeededBelow = 0.01;  // [rad]
-constexpr double kDistance = 0.65;     // of the inset's centre from the target, beyond its label [rad]
+constexpr double kDistance = 0.75;     // of the inset's centre from the target, beyond its label [rad]
 
 /// The largest of 1, 2, 5, 10, ... that is not above `value`.
 double roundDown(double value) {

@@ -61,6 +61,15 @@ std::string degreesText(int degrees) {
   return std::to_string(degrees);
 }
 
+/// Their names when they are few, else their number.
+std::string sourcesText(const std::vector<std::string>& sources) {
+  constexpr std::size_t kFew = 2;
+  if (sources.empty() || sources.size() > kFew) return std::to_string(sources.size()) + " sources";
+  std::string text = "from " + sources.front();
+  for (std::size_t i = 1; i < sources.size(); ++i) text += " + " + sources[i];
+  return text;
+}
+
 void drawGridLines(Marker& lines, const Canvas& canvas) {
   const Colour line = dimmed(gridColour(), 0.45);
   const Colour horizon = dimmed(gridColour(), 0.9);
@@ -194,10 +203,9 @@ std::string labelOf(const sightline::Track& track) {
   static constexpr std::array<const char*, 3> kStatus = {"tentative", "confirmed", "coasting"};
   const sightline::core::AngularState state = toCore(track).state;
   const double sigma = semiAxes(tangentCovariance(state.angles(), state.anglesCovariance())).x();
-  const std::size_t sources = track.sources.size();
   const char* status = track.status < kStatus.size() ? kStatus[track.status] : "unknown status";
   return "track " + std::to_string(track.id) + "  " + status + "\nsigma " + readableAngle(sigma) + "\n" +
-         std::to_string(sources) + (sources == 1 ? " source" : " sources");
+         sourcesText(track.sources);
 }
 
 GateOutcome outcomeOf(const sightline::Track& track, bool claimed) {

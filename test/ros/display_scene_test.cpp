@@ -137,6 +137,18 @@ TEST_F(Scene, SpokesTieTheMainTrackToItsSourcesInTheirColours) {
   EXPECT_LT(core::angleBetween(end, core::directionOf({0.1, 0.0})), 1e-9);
 }
 
+TEST_F(Scene, SpokesTieAGroupsTrackToItsSensorsToo) {
+  sightline::Track grouped = track(1, 0.0, 0.0);
+  grouped.sources = {"left", "right"};
+  scene.addTracks("left", report(1.0, {track(5, 0.1, 0.0)}), 1.0);
+  scene.addTracks("right", report(1.0, {track(5, 0.0, 0.1)}), 1.0);
+  scene.addTracks("group", report(1.0, {grouped}), 1.0);
+  const Sheets sheets = scene.draw(1.0);
+  ASSERT_NE(find(sheets, "group", "sources"), nullptr);
+  EXPECT_EQ(find(sheets, "group", "sources")->points.size(), 4U);
+  EXPECT_EQ(find(sheets, "left", "sources"), nullptr);
+}
+
 TEST_F(Scene, GatesAreNamedAfterWhatHappenedInThem) {
   sightline::Track missed = track(1, 0.0, 0.0), outbid = track(2, 0.5, 0.0), seen = track(3, 1.0, 0.0);
   missed.misses = outbid.misses = 1;

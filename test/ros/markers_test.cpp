@@ -137,10 +137,13 @@ TEST(Markers, AnglesAreReadInAUnitAPersonWouldChoose) {
 }
 
 TEST(Markers, LabelSaysIdStatusSigmaAndSources) {
-  const std::string label = sightline_ros::labelOf(trackAt(0.2, 1.2, 0.002));
-  for (const char* part : {"track 7", "confirmed", "sigma 2.0 mrad", "2 sources"}) {
+  sightline::Track track = trackAt(0.2, 1.2, 0.002);
+  const std::string label = sightline_ros::labelOf(track);
+  for (const char* part : {"track 7", "confirmed", "sigma 2.0 mrad", "from left + right"}) {
     EXPECT_NE(label.find(part), std::string::npos) << label;
   }
+  track.sources.assign(6, "camera");
+  EXPECT_NE(sightline_ros::labelOf(track).find("6 sources"), std::string::npos);
 }
 
 TEST(Markers, GateOutcomeFollowsStatusMissesAndClaims) {

@@ -66,7 +66,7 @@ class DisplayScene {
   void dropWhatStaysEmpty(Sheets& sheets);
 
   void drawSightings(MarkerArray& array, const std::string& sensor, double now) const;
-  void drawLocalTracks(MarkerArray& array, const std::string& channel) const;
+  void drawLocalTracks(MarkerArray& array, const std::string& channel, double now) const;
   void drawGates(MarkerArray& array, const TrackMemory& tracker) const;
   void drawMainTracks(MarkerArray& array, double now) const;
   void drawSources(Marker& lines, const sightline::Track& track, double now) const;

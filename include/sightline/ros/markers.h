@@ -74,7 +74,8 @@ Marker textMarker(const Canvas& canvas, const std::string& name, int id, const E
 /// urad".
 std::string readableAngle(double angle);
 
-/// The track in words: id, status, sigma (the larger half axis of the 1-sigma ellipse), number of sources.
+/// The track in words: id, status, sigma (the larger half axis of the 1-sigma ellipse), sources by
+/// name when they are one or two, else their number.
 std::string labelOf(const sightline::Track& track);
 
 /// What happened in a confirmed track's gate: `claimed` says that its last sighting went to another track.
