@@ -21,12 +21,12 @@ struct Candidate {
 
 /// Whether a sighting is so far away that no gate computation is needed: its chord to the prediction is
 /// longer than the largest half width that S can have. In a chart the azimuth's variance is at most
-/// 1/cos^2(68 deg) = 7.2 times that on the sphere.
+/// 1/cos^2(80 deg) = 33 times that on the sphere.
 bool isFarAway(const Expectation& expectation, const Eigen::Vector3d& predicted, const Sighting& sighting,
                const GateParams& params, double threshold) {
   const double largest_variance =
       expectation.innovation_scale *
-      (expectation.prediction.anglesCovariance().trace() + 8.0 * sighting.covariance.trace());
+      (expectation.prediction.anglesCovariance().trace() + 34.0 * sighting.covariance.trace());
   const double reach = threshold * largest_variance + 2.0 * params.min_half_width * params.min_half_width;
   return (sighting.direction - predicted).squaredNorm() > reach;
 }

@@ -8,9 +8,9 @@ namespace sightline::core {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr double kTiltAbove = 60.0 * kDegree;  // elevation from which a new chart is tilted
+constexpr double kTiltAbove = 75.0 * kDegree;  // elevation from which a new chart is tilted
 constexpr double kUprightHolds =
-    68.0 * kDegree;  // elevation up to which an upright chart is kept (hysteresis)
+    80.0 * kDegree;  // elevation up to which an upright chart is kept (hysteresis)
 constexpr double kUprightAzimuth = 120.0 * kDegree;  // far enough from its wrap at 180
 constexpr double kTiltedHolds =
     30.0 * kDegree;  // distance from its origin up to which a tilted chart is kept

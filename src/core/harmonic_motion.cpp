@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kSeriesBelow = 0.5;
 constexpr double kLeastKappa = -1.0, kLargestKappa = 40.0;  // [1/s^2]
+constexpr double kLargestGrowth = 5.0;                      // e-foldings of one step
 
 /// sum over k of (-z)^k / (2k + n)!.
 double stumpffSeries(double z, int n) {
@@ -35,11 +36,12 @@ Transition harmonicCore(const Eigen::Vector4d& state, double h, double q, double
       0.0, s.c0, h * s.c1,                                      //
       0.0, -kappa * h * s.c1, s.c0;
   step.mean.head<3>() = step.F.topLeftCorner<3, 3>() * state.head<3>();
-  const double h2 = h * h, h3 = h2 * h;
+  // Looking back in time makes the state as uncertain; only its correlations with the rate change sign.
+  const double age = std::abs(h), age2 = h * h, age3 = age2 * age;
   step.Q.setZero();
-  step.Q.topLeftCorner<3, 3>() << h3 * h2 / 20.0, h2 * h2 / 8.0, h3 / 6.0,  //
-      h2 * h2 / 8.0, h3 / 3.0, h2 / 2.0,                                    //
-      h3 / 6.0, h2 / 2.0, h;
+  step.Q.topLeftCorner<3, 3>() << age3 * age2 / 20.0, h * age3 / 8.0, age3 / 6.0,  //
+      h * age3 / 8.0, age3 / 3.0, h * age / 2.0,                                   //
+      age3 / 6.0, h * age / 2.0, age;
   step.Q *= q;
   return step;
 }
@@ -66,7 +68,9 @@ Stumpff stumpff(double z) {
 }
 
 Transition harmonicStep(const Eigen::Vector4d& state, double h, double q, double q_kappa) {
-  const double kappa = std::clamp(state(3), kLeastKappa, kLargestKappa);
+  // Over a long silence a motion that runs away would leave every number behind.
+  const double least = std::max(kLeastKappa, -kLargestGrowth * kLargestGrowth / (h * h + 1e-9));
+  const double kappa = std::clamp(state(3), least, kLargestKappa);
   const double v = state(1), a = state(2), h2 = h * h, h3 = h2 * h;
   const Stumpff s = stumpff(kappa * h2);
   Transition step = harmonicCore(state, h, q, kappa, s);
@@ -75,7 +79,7 @@ Transition harmonicStep(const Eigen::Vector4d& state, double h, double q, double
       h2 * s.d0 * v + h3 * s.d1 * a,                          //
       -h * s.c1 * v - kappa * h3 * s.d1 * v + h2 * s.d0 * a,  //
       1.0;
-  step.Q(3, 3) = q_kappa * h;
+  step.Q(3, 3) = q_kappa * std::abs(h);
   return step;
 }
 
@@ -94,7 +98,8 @@ Transition straightStep(const Eigen::Vector4d& state, double h, double q, double
   step.F.topLeftCorner<2, 2>() << 1.0, h, 0.0, 1.0;
   step.mean = step.F * state;
   step.Q.setZero();
-  step.Q.topLeftCorner<2, 2>() << h * h * h / 3.0, h * h / 2.0, h * h / 2.0, h;
+  const double age = std::abs(h);
+  step.Q.topLeftCorner<2, 2>() << age * age * age / 3.0, h * age / 2.0, h * age / 2.0, age;
   step.Q *= q;
   step.Q(2, 2) = acceleration_sigma * acceleration_sigma;
   step.Q(3, 3) = kappa_sigma * kappa_sigma;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "sightline/core/uncertainty_reduction.h"
@@ -171,6 +172,45 @@ TEST(NogaConsistent, OutliersAreTakenWithCare) {
   for (int k = 0; k < 100; ++k) estimator.update(sighting(0.03 * k, {0.0, 0.0}, R));
   estimator.update(sighting(3.0, {0.3, 0.0}, R));  // thirty sigmas off
   EXPECT_LT(std::abs(estimator.stateAt(Time(durationOf(3.0)))->mean(0)), 0.002);
+}
+
+TEST(NogaConsistent, CovarianceIsPositiveDefiniteBeforeAndLongAfterTheLastSighting) {
+  NogaConsistentEstimator estimator{NogaConsistentParams{}};
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal(0.0, 0.01);
+  for (int k = 0; k < 100; ++k) {
+    estimator.update(sighting(0.03 * k, {std::sin(0.09 * k) + normal(random), 0.1 * k + normal(random)},
+                              Eigen::Matrix2d::Identity() * 1e-4));
+  }
+  double last = 0.0;
+  for (const double h : {-1.0, -0.1, 0.0, 0.1, 1.0, 10.0, 1e4}) {
+    const AngularState state = *estimator.stateAt(Time(durationOf(2.97 + h)));
+    ASSERT_TRUE(state.mean.allFinite() && state.covariance.allFinite()) << h;
+    EXPECT_GT(state.covariance.diagonal().minCoeff(), 0.0) << h;
+    if (h >= 0.0) {
+      EXPECT_GE(state.covariance(0, 0), last) << h;
+      last = state.covariance(0, 0);
+    }
+  }
+}
+
+TEST(NogaConsistent, AnotherChartChangesNothingForTheMotionItDescribes) {
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(0.3, Eigen::Vector3d(0.2, 1.0, 0.5).normalized()).toRotationMatrix();
+  NogaConsistentEstimator stays{NogaConsistentParams{}};
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal(0.0, 0.002);
+  for (int k = 0; k < 100; ++k) {
+    stays.update(sighting(
+        0.03 * k, {0.05 * std::sin(0.03 * k) + normal(random), 0.02 * std::cos(0.03 * k) + normal(random)},
+        Eigen::Matrix2d::Identity() * 4e-6));
+  }
+  const auto moves = stays.clone();
+  moves->rotate(R);
+  const AngularState a = rotateState(*stays.stateAt(Time(durationOf(2.97))), R);
+  const AngularState b = *moves->stateAt(Time(durationOf(2.97)));
+  EXPECT_LT((a.mean - b.mean).norm(), 1e-5);
+  EXPECT_TRUE(b.covariance.isApprox(a.covariance, 0.01));
 }
 
 }  // namespace

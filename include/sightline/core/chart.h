@@ -10,7 +10,7 @@ namespace sightline::core {
 /// The coordinates in which one target is estimated: azimuth and elevation in a frame that is turned so that
 /// the target is far from the wrap at +-pi and from the poles.
 ///
-/// Below 60 degrees of elevation the chart is the tracking frame turned about z alone: its coordinates are
+/// Below 75 degrees of elevation the chart is the tracking frame turned about z alone: its coordinates are
 /// azimuth and elevation themselves, less a constant, as the paper has them. Above, it is tilted to put
 /// the target at its origin. A chart serves until `holds` says no; the tracker then moves the track to a new
 /// one.

@@ -16,7 +16,7 @@ namespace sightline::core {
 enum class Channels { azimuth_and_elevation, azimuth_only };
 
 /// An estimate, or a sighting, minus the truth. Lengths are arcs on the sphere: azimuth errors are multiplied
-/// by the cosine of the truth's elevation; above 60 degrees of elevation the two axes are those of the tilted
+/// by the cosine of the truth's elevation; above 75 degrees of elevation the two axes are those of the tilted
 /// Chart around the truth, along azimuth and along elevation. With Channels::azimuth_only the elevation's
 /// parts are 0.
 struct DirectionError {
