@@ -15,6 +15,8 @@ using Cells = std::vector<std::string>;
 
 constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 
+constexpr double kSigmasOfCutoff = 3.0;
+
 template <typename... Values>
 std::string format(const char* pattern, Values... values) {
   char text[256];
@@ -86,7 +88,8 @@ std::string errorTable(const std::vector<EvaluationRow>& rows, bool with_bands) 
   return alignedTable(table);
 }
 
-std::string gospaTable(const std::vector<EvaluationRow>& rows) {
+/// With a warning where the cutoff cuts into the errors of good tracks.
+std::string gospaTable(const std::vector<EvaluationRow>& rows, double best_sigma) {
   std::vector<EvaluationRow> tracks;
   std::copy_if(rows.begin(), rows.end(), std::back_inserter(tracks),
                [](const EvaluationRow& row) { return row.kind != EvaluationRow::Kind::sightings; });
@@ -106,14 +109,16 @@ std::string gospaTable(const std::vector<EvaluationRow>& rows) {
                 decimals(row.gospa.extra(), 4)};
       },
       table);
-  return "\n" + alignedTable(table);
+  const bool is_tight = params.cutoff < kSigmasOfCutoff * best_sigma;
+  return "\n" + alignedTable(table) +
+         (is_tight ? "The cutoff c is below three sigmas: choose a larger one.\n" : "");
 }
 
 std::string notesOn(const std::vector<EvaluationRow>& rows, double best_sigma,
                     const EvaluationTableStyle& style) {
   std::string notes;
   if (!std::isnan(best_sigma)) {
-    notes += "sigma: stated by the best sensor, " + readable(best_sigma) +
+    notes += "sigma: what the best sensor states, as an arc: " + readable(best_sigma) +
              " rad = " + readable(best_sigma * kDegreesPerRadian) + " deg. ";
   }
   notes += "Errors are arcs on the sphere, a channel. ANEES is 1 for an honest covariance.\n";
@@ -185,8 +190,8 @@ std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {
 
 std::string evaluationTable(const std::vector<EvaluationRow>& rows, double best_sigma,
                             const EvaluationTableStyle& style) {
-  return errorTable(rows, style.bands) + (style.gospa ? gospaTable(rows) : "") +
-         notesOn(rows, best_sigma, style);
+  if (!style.gospa) return errorTable(rows, style.bands) + notesOn(rows, best_sigma, style);
+  return errorTable(rows, style.bands) + gospaTable(rows, best_sigma) + notesOn(rows, best_sigma, style);
 }
 
 std::string liveSummary(const std::vector<EvaluationRow>& rows, double best_sigma, double elapsed) {

@@ -113,6 +113,8 @@ TEST(EvaluationTable, GospaHasALineForEachTracker) {
   EXPECT_EQ(wordsOf(lineWith(below, "left/tracks")),
             (std::vector<std::string>{"/sensors/left/tracks", "1", "0.00154", "0.0004", "1.0000", "0.0000"}));
   EXPECT_EQ(below.find("/sensors/left/sightings"), std::string::npos);
+  EXPECT_NE(below.find("below three sigmas"), std::string::npos);
+  EXPECT_EQ(evaluationTable({row}, 0.001, {false, true}).find("below three sigmas"), std::string::npos);
 }
 
 TEST(EvaluationTable, NamesWhatWasNotHeardAndWhatHadNoTruth) {
