@@ -62,12 +62,14 @@ TEST(Interpolate, CrossesTheWrapWithoutAJump) {
 }
 
 TEST(Interpolate, FollowsAPassBesideTheZenith) {
+  // 1 rad/s, samples 60 ms apart: the angles of an upright chart bend most where it ends, some degrees from
+  // the zenith.
   for (const double miss : {0.0, 1e-6, 0.01, 0.3}) {
     for (const double t : {-0.013, 0.004, 0.02}) {
       const auto motion = interpolate(pass(-0.03, miss), pass(0.03, miss), at(t));
       ASSERT_TRUE(motion);
       const TruthSample truth = pass(t, miss);
-      EXPECT_LT(angleBetween(directionOf(motion->head<2>()), directionOf(truth.motion.head<2>())), 1e-6)
+      EXPECT_LT(angleBetween(directionOf(motion->head<2>()), directionOf(truth.motion.head<2>())), 1e-5)
           << miss << " " << t;
       // rates as arcs: near the zenith the azimuth's own is huge
       const Eigen::Vector2d arc_rates(motion->coeff(2) * std::cos((*motion)(1)), motion->coeff(3));

@@ -16,9 +16,8 @@ namespace sightline::core {
 enum class Channels { azimuth_and_elevation, azimuth_only };
 
 /// An estimate, or a sighting, minus the truth. Lengths are arcs on the sphere: azimuth errors are multiplied
-/// by the cosine of the truth's elevation; above 75 degrees of elevation the two axes are those of the tilted
-/// Chart around the truth, along azimuth and along elevation. With Channels::azimuth_only the elevation's
-/// parts are 0.
+/// by the cosine of the truth's elevation; near the zenith the two axes are those of the tilted Chart around
+/// the truth, along azimuth and along elevation. With Channels::azimuth_only the elevation's parts are 0.
 struct DirectionError {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< (along azimuth, along elevation) [rad]
   std::optional<Eigen::Vector2d> rate;                 ///< the same of the rates [rad/s]; not for sightings
