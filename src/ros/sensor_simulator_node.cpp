@@ -44,6 +44,8 @@ SensorSimulatorNode::SensorSimulatorNode(ros::NodeHandle nh, const ros::NodeHand
 
   sightings_ = nh.advertise<sightline::SightingArray>("sightings", kQueue);
   broadcastMount();
+  repetition_ = nh.createWallTimer(ros::WallDuration(kSecondsBetweenStaticTransforms),
+                                   [this](const ros::WallTimerEvent&) { broadcastMount(); });
   if (start)
     startAt(*start);
   else

@@ -54,7 +54,12 @@ TruthPublisherNode::TruthPublisherNode(ros::NodeHandle nh, const ros::NodeHandle
   reader.finish();
   start_publisher_ = nh.advertise<std_msgs::Time>("/scenario/start", 1, true);
   truth_ = nh.advertise<sightline::TrackArray>("/truth", kQueue);
-  if (platform_is_fixed_) publishPlatform(0.0, ros::Time::now());
+  if (platform_is_fixed_) {
+    publishPlatform(0.0, ros::Time::now());
+    repetition_ =
+        nh.createWallTimer(ros::WallDuration(kSecondsBetweenStaticTransforms),
+                           [this](const ros::WallTimerEvent&) { publishPlatform(0.0, ros::Time::now()); });
+  }
   pacer_.wake();
 }
 

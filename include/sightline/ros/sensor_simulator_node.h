@@ -7,6 +7,7 @@
 #include <ros/publisher.h>
 #include <ros/subscriber.h>
 #include <ros/time.h>
+#include <ros/wall_timer.h>
 #include <std_msgs/Time.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
@@ -44,6 +45,7 @@ class SensorSimulatorNode {
   ros::Publisher sightings_;
   ros::Subscriber start_subscriber_;
   tf2_ros::StaticTransformBroadcaster static_transforms_;
+  ros::WallTimer repetition_;  // of the static transforms
   Pacer pacer_;
 };
 

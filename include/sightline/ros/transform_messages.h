@@ -9,6 +9,11 @@
 
 namespace sightline_ros {
 
+/// Static transforms are sent again and again [s of the wall's clock]: of several latched messages of one
+/// process roscpp keeps the last, so that of the nodelets in a manager only one would be heard by those who
+/// come later.
+constexpr double kSecondsBetweenStaticTransforms = 0.5;
+
 /// The pose of frame `child` in frame `parent`: position of its origin [m], and the rotation that maps child
 /// to parent.
 inline geometry_msgs::TransformStamped transformMessage(const ros::Time& stamp, const std::string& parent,

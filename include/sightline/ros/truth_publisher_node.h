@@ -5,6 +5,7 @@
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <ros/time.h>
+#include <ros/wall_timer.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_broadcaster.h>
 
@@ -46,6 +47,7 @@ class TruthPublisherNode {
   ros::Publisher start_publisher_;
   ros::Publisher truth_;
   tf2_ros::StaticTransformBroadcaster static_transforms_;
+  ros::WallTimer repetition_;  // of the static transforms
   tf2_ros::TransformBroadcaster transforms_;
   Pacer pacer_;
 };
