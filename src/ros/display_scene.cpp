@@ -14,7 +14,7 @@ namespace core = sightline::core;
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kGateOpacity = 0.03;
-constexpr double kLabelDistance = 16.0 * kDegree;  // from the rim of the ellipse
+constexpr double kLabelDistance = 18.0 * kDegree;  // from the rim of the ellipse
 constexpr double kViewTolerance = 1.0;             // from the view's axis before it is turned [rad]
 constexpr double kHardlyMoving = 0.01;             // [rad/s]
 constexpr double kClockStep = 1.0;                 // backwards, from which a recording starts anew [s]
@@ -229,7 +229,7 @@ Marker DisplayScene::labelMarker(const sightline::Track& track) const {
   const double distance = std::min(2.0 * sigmaOf(track), 0.3) + kLabelDistance;
   return textMarker(params_.canvas, "labels", static_cast<int>(track.id),
                     walk(state.angles(), distance * sideOf(state, view())), labelOf(track) + errorText(track),
-                    2.5 * kDegree, mainColour());
+                    3.2 * kDegree, mainColour());
 }
 
 void DisplayScene::drawSources(Marker& lines, const sightline::Track& track, double now) const {
@@ -265,7 +265,7 @@ std::string DisplayScene::errorText(const sightline::Track& track) const {
     if (!truth) continue;
     error = std::min(error, core::angleBetween(core::directionOf(*estimated), core::directionOf(*truth)));
   }
-  return std::isfinite(error) ? "\nerror " + readableAngle(error) : "";
+  return std::isfinite(error) ? "\nerror " + readableAngle(error, sigmaOf(track)) : "";
 }
 
 void DisplayScene::drawTruth(MarkerArray& array) const {

@@ -7,7 +7,7 @@ namespace sightline_ros {
 namespace {
 
 constexpr double kNeededBelow = 0.01;  // [rad]
-constexpr double kDistance = 0.75;     // of the inset's centre from the target, beyond its label [rad]
+constexpr double kDistance = 0.8;      // of the inset's centre from the target, beyond its label [rad]
 
 /// The largest of 1, 2, 5, 10, ... that is not above `value`.
 double roundDown(double value) {
@@ -70,7 +70,7 @@ Marker Magnifier::label(const Canvas& canvas, const Colour& colour) const {
   std::snprintf(factor, sizeof(factor), "x %.0f", factor_);
   const std::string text = std::string(factor) + ", radius " + readableAngle(kRadius / factor_);
   const Eigen::Vector2d away = -tangentTo(centre_, sightline::core::directionOf(target_)).normalized();
-  return textMarker(canvas, "magnification", 0, walk(centre_, (kRadius + 0.06) * away), text, 0.035, colour);
+  return textMarker(canvas, "magnification", 0, walk(centre_, (kRadius + 0.06) * away), text, 0.045, colour);
 }
 
 }  // namespace sightline_ros

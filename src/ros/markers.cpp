@@ -16,9 +16,9 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kDegree = kPi / 180.0;
 constexpr double kLineStep = 2.0 * kDegree;  // of curves along the sphere
 constexpr int kEllipseCorners = 36;
-constexpr double kTextHeight = 2.0 * kDegree;
-constexpr double kNameWidth = 9.0 * kDegree;    // half of a sensor's name, and a bit
-constexpr double kNameSpacing = 3.2 * kDegree;  // from line to line
+constexpr double kTextHeight = 2.4 * kDegree;
+constexpr double kNameWidth = 11.0 * kDegree;   // half of a sensor's name, and a bit
+constexpr double kNameSpacing = 3.8 * kDegree;  // from line to line
 
 // Things of different kinds lie in thin shells, so that they do not fight for the same depth. Shares of the
 // radius.
@@ -184,12 +184,12 @@ Marker textMarker(const Canvas& canvas, const std::string& name, int id, const E
   return marker;
 }
 
-std::string readableAngle(double angle) {
+std::string readableAngle(double angle, std::optional<double> scale) {
   struct Unit {
     double size;
     const char* name;
   };
-  const double magnitude = std::abs(angle);
+  const double magnitude = std::abs(scale.value_or(angle));
   const Unit unit = magnitude >= 5e-3   ? Unit{kDegree, "deg"}
                     : magnitude >= 1e-4 ? Unit{1e-3, "mrad"}
                                         : Unit{1e-6, "urad"};

@@ -134,6 +134,7 @@ TEST(Markers, AnglesAreReadInAUnitAPersonWouldChoose) {
   EXPECT_EQ(sightline_ros::readableAngle(1e-3), "1.0 mrad");
   EXPECT_EQ(sightline_ros::readableAngle(1.2e-5), "12 urad");
   EXPECT_EQ(sightline_ros::readableAngle(0.0), "0.0 urad");
+  EXPECT_EQ(sightline_ros::readableAngle(0.004, 0.02), "0.2 deg");  // to be compared with 1.1 deg
 }
 
 TEST(Markers, LabelSaysIdStatusSigmaAndSources) {

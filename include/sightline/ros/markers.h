@@ -72,7 +72,8 @@ Marker textMarker(const Canvas& canvas, const std::string& name, int id, const E
 
 /// An angle [rad] in the unit a person would choose, with two digits or more: "1.7 deg", "3.4 mrad", "12
 /// urad".
-std::string readableAngle(double angle);
+/// With a `scale` [rad] in the unit of that angle, so that the two can be compared.
+std::string readableAngle(double angle, std::optional<double> scale = std::nullopt);
 
 /// The track in words: id, status, sigma (the larger half axis of the 1-sigma ellipse), sources by
 /// name when they are one or two, else their number.
