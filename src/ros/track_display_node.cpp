@@ -145,7 +145,7 @@ TrackDisplayNode::TrackDisplayNode(ros::NodeHandle nh, ros::NodeHandle private_n
   publish_timer_ = nh_.createWallTimer(ros::WallDuration(1.0 / params_.rate),
                                        [this](const ros::WallTimerEvent&) { publish(); });
   static_timer_ = nh_.createWallTimer(ros::WallDuration(kStaticPeriod),
-                                      [this](const ros::WallTimerEvent&) { publishFieldsOfView(); });
+                                      [this](const ros::WallTimerEvent&) { repeatWhatStays(); });
 }
 
 template <typename Message, typename Callback>
@@ -237,6 +237,12 @@ void TrackDisplayNode::aimView() {
   transform.transform.rotation.z = turn.z();
   transform.transform.rotation.w = turn.w();
   view_broadcaster_.sendTransform(transform);
+}
+
+void TrackDisplayNode::repeatWhatStays() {
+  publishFieldsOfView();
+  aimed_.reset();  // of the latched transforms of a process only the last is kept: another nodelet's, maybe
+  aimView();
 }
 
 void TrackDisplayNode::publishFieldsOfView() {

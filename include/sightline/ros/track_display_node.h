@@ -68,6 +68,7 @@ class TrackDisplayNode {
   void showScans();
 
   void publish();
+  void repeatWhatStays();
   void publishFieldsOfView();
   void publish(const std::string& channel, const MarkerArray& markers);
   void aimView();
