@@ -125,11 +125,13 @@ TwblsParams paperWindow(TimeWeight weight) {
   params.min_sightings = 2;
   params.time_weight = weight;
   params.covariance = TwblsCovariance::sandwich;
+  params.initial_rate_sigma = 1e6;  // as the reference: no prior
   return params;
 }
 
 EstimatorParams twbls(const TwblsParams& params) {
   EstimatorParams estimator;
+  estimator.twbls_form = EstimatorForm::paper;
   estimator.twbls = params;
   return estimator;
 }
@@ -166,6 +168,7 @@ std::vector<Row> rows() {
   add("TWBLS none, N = 20 by count only", core(twbls(by_count)), 0.496, 0.569, 0.452, 0.499);
 
   EstimatorParams estimator;
+  estimator.twbls_consistent.initial_rate_sigma = 1e6;
   estimator.twbls_consistent.process_noises = {{1e-4, 0.0}, {0.05, 0.0}, {0.5, 0.0}, {3.0, 0.0}};
   add("TWBLS consistent, bank of (S-6)", core(estimator), 0.487, 0.554, 0.432, 0.478);
   add("TWBLS consistent, default", core(EstimatorParams{}), none, none, none, none);

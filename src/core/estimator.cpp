@@ -3,6 +3,12 @@
 #include <Eigen/LU>
 
 namespace sightline::core {
+namespace {
+
+constexpr std::size_t kSettledSightings = 20;
+constexpr double kSettledSpan = 0.5;  // [s]
+
+}  // namespace
 
 AngularState firstState(const Measurement& measurement, double rate_sigma) {
   AngularState state;
@@ -12,7 +18,8 @@ AngularState firstState(const Measurement& measurement, double rate_sigma) {
   return state;
 }
 
-AngularState withRatePrior(AngularState state, double rate_sigma) {
+AngularState withRatePrior(AngularState state, double rate_sigma, std::size_t sightings, double span) {
+  if (sightings >= kSettledSightings || span >= kSettledSpan) return state;
   const double prior = rate_sigma * rate_sigma;
   if (!(state.covariance.diagonal().tail<2>().maxCoeff() > prior)) return state;
   const Eigen::Matrix2d S = state.covariance.bottomRightCorner<2, 2>() + prior * Eigen::Matrix2d::Identity();

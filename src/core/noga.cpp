@@ -178,7 +178,7 @@ void NogaEstimator::fitLines() {
     line_.covariance(channel + 2, channel + 2) = P(0, 0);
     line_.covariance(channel, channel + 2) = line_.covariance(channel + 2, channel) = -P(0, 1);
   }
-  line_ = withRatePrior(line_, params_.initial_rate_sigma);
+  line_ = withRatePrior(line_, params_.initial_rate_sigma, static_cast<std::size_t>(size_), age(0));
 }
 
 std::optional<AngularState> NogaEstimator::stateAt(Time time) const {

@@ -175,7 +175,7 @@ AngularState TwblsEstimator::lineState() const {
   }
 
   state.covariance = symmetric(state.covariance);
-  return withRatePrior(state, params_.initial_rate_sigma);
+  return withRatePrior(state, params_.initial_rate_sigma, window_.size(), age_(0));
 }
 
 /// All sightings at one instant: their weighted mean, and nothing known of the rates.

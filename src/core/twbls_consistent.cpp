@@ -126,7 +126,9 @@ std::optional<AngularState> TwblsConsistentEstimator::stateAt(Time time) const {
         predicted[mode],
         params_.process_noises[static_cast<std::size_t>(mode)].densityFor(noise_.covariance()), h);
   }
-  return withRatePrior(mixture(weights(), predicted).angularState(), params_.initial_rate_sigma);  // (S-6)
+  const double span = seconds(window_.back().time - window_.front().time);
+  return withRatePrior(mixture(weights(), predicted).angularState(), params_.initial_rate_sigma,
+                       window_.size(), span);  // (S-6)
 }
 
 void TwblsConsistentEstimator::rotate(const Eigen::Matrix3d& R_new_old) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -48,9 +49,11 @@ class Estimator {
 /// `rate_sigma`: standard deviation of each rate before anything is known [rad/s].
 AngularState firstState(const Measurement& measurement, double rate_sigma);
 
-/// The state with the prior of its rates taken in, zero with standard deviation `rate_sigma` [rad/s], as long
-/// as the sightings are too few or too close in time to tell the rates better than that; afterwards the state
-/// itself.
-AngularState withRatePrior(AngularState state, double rate_sigma);
+/// The state of a window with the prior of its rates taken in, zero with standard deviation `rate_sigma`
+/// [rad/s], where the sightings are too few or too close in time to tell the rates better than that. Only for
+/// a window of less than twenty sightings and half a second: after that a target must not be held back by
+/// what was expected of it at first. `sightings`: number in the window, `span`: time from the first to the
+/// last [s].
+AngularState withRatePrior(AngularState state, double rate_sigma, std::size_t sightings, double span);
 
 }  // namespace sightline::core
