@@ -23,7 +23,7 @@ Eigen::Matrix4d contraction(const Eigen::Matrix4d& before, const Eigen::Matrix4d
   const Eigen::Matrix4d half = factor.matrixL().solve(after);
   const Eigen::Matrix4d M = symmetric(factor.matrixL().solve(half.transpose()));
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(M);
-  const Eigen::Matrix4d V = solver.eigenvectors();
+  const Eigen::Matrix4d& V = solver.eigenvectors();
   const Eigen::Matrix4d clipped =
       V * solver.eigenvalues().cwiseMin(1.0).cwiseMax(0.0).asDiagonal() * V.transpose();
   const Eigen::Matrix4d LM = L * clipped;
@@ -82,6 +82,7 @@ Eigen::MatrixXd CrossCovariance::joint(const std::vector<Estimate<4>>& sources,
                                        const std::vector<std::size_t>& which) const {
   const std::size_t n = sources.size();
   std::vector<Eigen::LLT<Eigen::Matrix4d>> roots;  // P_i = L_i L_i^T
+  roots.reserve(n);
   for (const Estimate<4>& source : sources) roots.emplace_back(source.covariance);
 
   // C_ij = L_i^-1 P_ij L_j^-T: the cross-covariances in units of the sources' own.

@@ -1,6 +1,5 @@
 #include "sightline/core/intersection_weights.h"
 
-#include <cmath>
 #include <limits>
 
 #include <Eigen/Cholesky>
@@ -9,9 +8,9 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kFirstBarrier = 0.1;
-constexpr double kLastBarrier = 1e-9;  // n times this is the distance from the optimum
-constexpr double kBarrierFactor = 0.1;
+/// From one to the next the minimum moves little; n times the last is the distance from the optimum.
+constexpr double kBarriers[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9};
+constexpr int kHalvings = 40;
 constexpr int kNewtonSteps = 50;       // for each barrier; three are usual
 constexpr double kSteepEnough = 1e-4;  // of the decrease that the slope promises (Armijo)
 
@@ -75,26 +74,32 @@ Eigen::VectorXd newtonStep(const Eigen::VectorXd& w, const Eigen::VectorXd& grad
   return w.cwiseProduct(conditions.partialPivLu().solve(right).head(n));
 }
 
+/// The first of the lengths 1, 1/2, 1/4, ... that lowers the value enough; 0 where rounding leaves no better
+/// point.
+template <int N>
+double stepLength(const BarrierProblem<N>& problem, const Eigen::VectorXd& w, const Eigen::VectorXd& step,
+                  double slope) {
+  const double value = problem.valueAt(w);
+  double length = 1.0;
+  for (int halving = 0; halving < kHalvings; ++halving) {
+    if (problem.valueAt(w + length * step) <= value + kSteepEnough * length * slope) return length;
+    length *= 0.5;
+  }
+  return 0.0;
+}
+
 /// Goes to the minimum for one barrier by damped Newton steps; stays inside the simplex.
 template <int N>
 void descend(const BarrierProblem<N>& problem, double tolerance, Eigen::VectorXd& w) {
   Eigen::VectorXd gradient(w.size());
   Eigen::MatrixXd hessian(w.size(), w.size());
-  double value = problem.valueAt(w);
   for (int step_number = 0; step_number < kNewtonSteps; ++step_number) {
     problem.derivativesAt(w, gradient, hessian);
     const Eigen::VectorXd step = newtonStep(w, gradient, hessian);
     const double slope = gradient.dot(step);
     if (!(slope < -tolerance)) return;
-    double length = 1.0;
-    for (; length > 1e-12; length *= 0.5) {
-      const double next = problem.valueAt(w + length * step);
-      if (next <= value + kSteepEnough * length * slope) {
-        value = next;
-        break;
-      }
-    }
-    if (length <= 1e-12) return;  // rounding: no better point on this line
+    const double length = stepLength(problem, w, step, slope);
+    if (length == 0.0) return;
     w += length * step;
     w /= w.sum();
   }
@@ -107,9 +112,7 @@ Eigen::VectorXd determinantWeights(const std::vector<Eigen::Matrix<double, N, N>
   const auto n = static_cast<Eigen::Index>(informations.size());
   Eigen::VectorXd w = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n));
   if (n < 2) return w;
-  for (double barrier = kFirstBarrier; barrier >= 0.5 * kLastBarrier; barrier *= kBarrierFactor) {
-    descend(BarrierProblem<N>(informations, barrier), 1e-3 * barrier, w);
-  }
+  for (const double barrier : kBarriers) descend(BarrierProblem<N>(informations, barrier), 1e-3 * barrier, w);
   return w;
 }
 

@@ -22,7 +22,7 @@ std::string invalidityOf(const Track& track) {
 }  // namespace
 
 std::string LocalReports::take(const LocalReport& report) {
-  const std::string why = refusal(report);
+  std::string why = refusal(report);
   if (!why.empty()) return why;
   replace(trackers_[report.tracker], report);
   forgetThoseAhead(report.tracker);

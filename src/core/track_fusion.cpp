@@ -181,10 +181,10 @@ Eigen::MatrixXd TrackFusion::distances(const std::vector<Row>& rows,
 }
 
 /// Each pair of entries becomes one, under the older's id.
-void TrackFusion::unite(std::vector<std::pair<std::size_t, std::size_t>> pairs) {
+void TrackFusion::unite(const std::vector<std::pair<std::size_t, std::size_t>>& pairs) {
   std::vector<std::uint32_t> gone;
-  for (auto& [older, younger] : pairs) {
-    if (entries_[younger].track.id() < entries_[older].track.id()) std::swap(older, younger);
+  for (const auto& [one, other] : pairs) {  // entries stand in ascending order of id
+    const std::size_t older = std::min(one, other), younger = std::max(one, other);
     entries_[older].track.absorb(entries_[younger].track);
     entries_[older].track.compareSupporters(params_.registration_sigma);
     gone.push_back(entries_[younger].track.id());

@@ -39,10 +39,11 @@ std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHa
 
 }  // namespace
 
-TrackFusionNode::TrackFusionNode(ros::NodeHandle nh, ros::NodeHandle pnh)
+TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
     : TrackFusionNode(nh, pnh, ParamReader(pnh)) {}
 
-TrackFusionNode::TrackFusionNode(ros::NodeHandle nh, ros::NodeHandle pnh, const ParamReader& reader)
+TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh,
+                                 const ParamReader& reader)
     : nh_(nh),
       component_(reader, nameOfNode(pnh)),
       topics_(topicsFrom(reader, nh)),

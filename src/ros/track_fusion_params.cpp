@@ -17,6 +17,7 @@ core::FusionRule loadRule(const ParamReader& reader, core::FusionRule fallback) 
                                             core::FusionRule::cross_covariance,
                                             core::FusionRule::covariance_intersection};
   std::vector<std::string> names;
+  names.reserve(rules.size());
   for (const core::FusionRule rule : rules) names.push_back(nameOf(rule));
   const std::string name = reader.choice("rule", nameOf(fallback), names);
   std::size_t chosen = 0;

@@ -77,7 +77,7 @@ class TrackFusion {
   /// A local track without a global one, or (without key) a global track: something to be assigned.
   struct Row {
     std::optional<LocalKey> key;
-    std::size_t entry;
+    std::size_t entry = 0;
     AngularState state_tracking;
     Time time;
   };
@@ -86,7 +86,7 @@ class TrackFusion {
   void separate(const std::string& reporting);
   void associate(const std::string& tracker, bool merge);
   Eigen::MatrixXd distances(const std::vector<Row>& rows, const std::vector<std::size_t>& columns) const;
-  void unite(std::vector<std::pair<std::size_t, std::size_t>> pairs);
+  void unite(const std::vector<std::pair<std::size_t, std::size_t>>& pairs);
   void start(const LocalKey& key);
   void fuse(Entry& entry, const std::string& reporting) const;
   std::optional<FusedEstimate<4>> combine(const GlobalTrack& track,

@@ -20,10 +20,10 @@ namespace sightline_ros {
 class TrackFusionNode {
  public:
   /// Throws ParamError.
-  TrackFusionNode(ros::NodeHandle nh, ros::NodeHandle pnh);
+  TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
 
  private:
-  TrackFusionNode(ros::NodeHandle nh, ros::NodeHandle pnh, const ParamReader& reader);
+  TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const ParamReader& reader);
 
   void onTracks(const sightline::TrackArray::ConstPtr& local, const std::string& topic);
   void noticeTimeJump(sightline::core::Time now);
