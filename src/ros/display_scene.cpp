@@ -13,7 +13,7 @@ namespace {
 namespace core = sightline::core;
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr double kGateOpacity = 0.03;
+constexpr double kGateOpacity = 0.035;
 constexpr double kLabelDistance = 18.0 * kDegree;  // from the rim of the ellipse
 constexpr double kViewTolerance = 1.0;             // from the view's axis before it is turned [rad]
 constexpr double kHardlyMoving = 0.01;             // [rad/s]
@@ -191,7 +191,7 @@ void DisplayScene::drawGates(MarkerArray& array, const TrackMemory& tracker) con
       if (!rectangle) continue;
       const Colour colour = sightline_ros::colourOf(outcome);
       drawPatch(patches, params_.canvas, *rectangle, withAlpha(colour, kGateOpacity));
-      drawLine(rims, params_.canvas, rectangleOutline(*rectangle, kOutlineStep), dimmed(colour, 0.4));
+      drawLine(rims, params_.canvas, rectangleOutline(*rectangle, kOutlineStep), dimmed(colour, 0.5));
     }
     array.markers.push_back(finished(std::move(patches)));
     array.markers.push_back(finished(std::move(rims)));
