@@ -8,7 +8,8 @@ namespace sightline::core {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr double kTiltAbove = 75.0 * kDegree;  // elevation from which a new chart is tilted
+constexpr double kTiltAbove = 75.0 * kDegree;       // elevation from which a new chart is tilted
+constexpr double kTiltStaysAbove = 45.0 * kDegree;  // the same after a tilted one
 constexpr double kUprightHolds =
     80.0 * kDegree;  // elevation up to which an upright chart is kept (hysteresis)
 constexpr double kUprightAzimuth = 120.0 * kDegree;  // far enough from its wrap at 180
@@ -18,9 +19,17 @@ constexpr double kTiltedHolds =
 }  // namespace
 
 Chart Chart::around(const Eigen::Vector3d& direction) {
+  return around(direction, kTiltAbove);
+}
+
+Chart Chart::following(const Eigen::Vector3d& direction) const {
+  return around(direction, tilted_ ? kTiltStaysAbove : kTiltAbove);
+}
+
+Chart Chart::around(const Eigen::Vector3d& direction, double tilt_above) {
   const Eigen::Vector2d angles = anglesOf(direction);
   Chart chart;
-  chart.tilted_ = std::abs(angles.y()) > kTiltAbove;
+  chart.tilted_ = std::abs(angles.y()) > tilt_above;
   chart.R_chart_tracking_ = Eigen::AngleAxisd(-angles.x(), Eigen::Vector3d::UnitZ()).toRotationMatrix();
   if (chart.tilted_) {  // a positive turn about y lowers x: it brings the elevation to zero
     chart.R_chart_tracking_ =

@@ -66,7 +66,7 @@ Expectation LiveTrack::expect(Time time, bool adapt_gate) {
   expectation.guards = status_ == TrackStatus::confirmed;
   expectation.prediction = *estimator_->stateAt(time);  // determined since the first sighting
   if (!chart_.holds(expectation.prediction.angles())) {
-    const Chart next = Chart::around(chart_.directionAt(expectation.prediction.angles()));
+    const Chart next = chart_.following(chart_.directionAt(expectation.prediction.angles()));
     const Eigen::Matrix3d R_new_old = next.R_chart_tracking() * chart_.R_chart_tracking().transpose();
     const Eigen::Matrix2d J = rotationJacobian(expectation.prediction.angles(), R_new_old);
     last_covariance_ = symmetric(J * last_covariance_ * J.transpose());

@@ -244,14 +244,14 @@ AngularState NogaConsistentEstimator::moments(const ModeArray& weights, const Be
   for (int mode = 0; mode < modes(); ++mode) {
     const Belief& belief = beliefs[mode];
     Motion<4>& motion = motions[mode];
-    for (int i = 0; i < 2; ++i) {
+    for (Eigen::Index i = 0; i < 2; ++i) {
       for (int channel = 0; channel < 2; ++channel) {
         motion.mean(2 * i + channel) = belief.mean[channel](i);
-        for (int j = 0; j < 2; ++j) {
+        for (Eigen::Index j = 0; j < 2; ++j) {
           motion.covariance(2 * i + channel, 2 * j + channel) = belief.covariance[channel](i, j);
         }
       }
-      for (int j = 0; j < 2; ++j) {
+      for (Eigen::Index j = 0; j < 2; ++j) {
         motion.covariance(2 * i, 2 * j + 1) = belief.cross(i, j);
         motion.covariance(2 * j + 1, 2 * i) = belief.cross(i, j);
       }

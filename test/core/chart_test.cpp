@@ -33,6 +33,15 @@ TEST(Chart, HoldsTheTargetItWasMadeForAndNotOnesNearItsPoles) {
   }
 }
 
+TEST(Chart, StaysTiltedOnTheWayDownFromTheZenith) {
+  const Eigen::Vector3d high = directionOf({1.0, 1.5}), on_the_way = directionOf({1.0, 1.0}),
+                        low = directionOf({1.0, 0.7});
+  const Chart tilted = Chart::around(high);
+  EXPECT_LT(tilted.following(on_the_way).coordinatesOf(on_the_way).norm(), 1e-12);
+  EXPECT_NEAR(tilted.following(low).coordinatesOf(low).y(), 0.7, 1e-12);
+  EXPECT_NEAR(Chart::around(low).following(on_the_way).coordinatesOf(on_the_way).y(), 1.0, 1e-12);
+}
+
 TEST(Chart, DirectionsAndStatesGoThereAndBack) {
   const Chart chart = Chart::around(directionOf({2.0, 1.45}));
   const Eigen::Vector3d direction = directionOf({1.0, 1.5});

@@ -278,7 +278,7 @@ TEST_F(Replay, ConfigurationAndEstimatorAreObeyed) {
   EXPECT_EQ(newest("/sensors/left/tracks").estimator, "kalman");
   EXPECT_EQ(newest("/sensors/left/tracks").tracker, "left");
   EXPECT_EQ(newest("/sensor_fusion/tracks").tracker, "everything");
-  EXPECT_EQ(newest("/fusion/tracks").estimator, "weighted_covariance");
+  EXPECT_EQ(newest("/fusion/tracks").estimator, "cross_covariance");
   replay(file("in.bag"), file("out.bag"), {config, "imm", "covariance_intersection"});
   EXPECT_EQ(newest("/sensors/left/tracks").estimator, "imm");
   EXPECT_EQ(newest("/sensor_fusion/tracks").estimator, "imm");

@@ -22,6 +22,11 @@ class Chart {
   /// The chart for a target in `direction` (unit vector, tracking frame).
   static Chart around(const Eigen::Vector3d& direction);
 
+  /// The chart that follows this one for a target that has gone to `direction`. Coming from a tilted chart it
+  /// stays tilted down to 45 degrees: the sightings of the last seconds, near the zenith, must have their
+  /// place in it too.
+  Chart following(const Eigen::Vector3d& direction) const;
+
   /// Whether a target at these coordinates may stay in this chart.
   bool holds(const Eigen::Vector2d& coordinates) const;
 
@@ -44,6 +49,8 @@ class Chart {
   const Eigen::Matrix3d& R_chart_tracking() const { return R_chart_tracking_; }
 
  private:
+  static Chart around(const Eigen::Vector3d& direction, double tilt_above);
+
   Eigen::Matrix3d R_chart_tracking_ = Eigen::Matrix3d::Identity();
   bool tilted_ = false;
 };
