@@ -10,6 +10,14 @@ constexpr double kSettledSpan = 0.5;  // [s]
 
 }  // namespace
 
+Measurement rotate(const Measurement& measurement, const Eigen::Matrix3d& R_new_old) {
+  const Eigen::Matrix2d J = rotationJacobian(measurement.position, R_new_old);
+  Measurement turned = measurement;
+  turned.position = rotateAngles(measurement.position, R_new_old);
+  turned.covariance = symmetric(J * measurement.covariance * J.transpose());
+  return turned;
+}
+
 AngularState firstState(const Measurement& measurement, double rate_sigma) {
   AngularState state;
   state.mean << measurement.position, Eigen::Vector2d::Zero();

@@ -134,11 +134,7 @@ std::optional<AngularState> TwblsConsistentEstimator::stateAt(Time time) const {
 void TwblsConsistentEstimator::rotate(const Eigen::Matrix3d& R_new_old) {
   if (window_.empty()) return;
   noise_.transform(rotationJacobian(window_.back().position, R_new_old));
-  for (Measurement& sighting : window_) {
-    const Eigen::Matrix2d J = rotationJacobian(sighting.position, R_new_old);
-    sighting.position = rotateAngles(sighting.position, R_new_old);
-    sighting.covariance = symmetric(J * sighting.covariance * J.transpose());
-  }
+  for (Measurement& sighting : window_) sighting = core::rotate(sighting, R_new_old);
   fitWindow();
 }
 

@@ -20,6 +20,9 @@ struct Measurement {
   double ifov = std::numeric_limits<double>::quiet_NaN();    ///< of the sensor [rad], NaN = not known
 };
 
+/// The same sighting in a chart whose frame is turned by R_new_old.
+Measurement rotate(const Measurement& measurement, const Eigen::Matrix3d& R_new_old);
+
 /// The one virtual interface: sightings of one target in, its motion out. Coordinates are those of the
 /// track's chart throughout; time only moves forward (late data are put in their place by the tracker).
 class Estimator {
