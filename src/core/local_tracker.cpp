@@ -237,7 +237,9 @@ void LocalTracker::start(const Scan& scan, Pairing& pairing) {
 void LocalTracker::giveUpTheDead(Time time) {
   auto& tracks = state_.tracks;
   tracks.erase(std::remove_if(tracks.begin(), tracks.end(),
-                              [&](LiveTrack& track) { return track.isDead(time, params_.lifecycle, params_.adapt_gate); }),
+                              [&](LiveTrack& track) {
+                                return track.isDead(time, params_.lifecycle, params_.adapt_gate);
+                              }),
                tracks.end());
 }
 

@@ -48,8 +48,8 @@ class ParamReader {
   /// radians.
   static ParamReader fromYaml(const std::string& file);
 
-  /// Several files into one tree, as roslaunch loads them one after the other: maps merge, otherwise the later
-  /// file wins. Messages name the last file.
+  /// Several files into one tree, as roslaunch loads them one after the other: maps merge, otherwise the
+  /// later file wins. Messages name the last file.
   static ParamReader fromYamlFiles(const std::vector<std::string>& files);
 
   /// The sub-namespace `key`; empty when it is not there.
