@@ -265,7 +265,8 @@ TEST_F(Replay, ConfigurationAndEstimatorAreObeyed) {
   const std::string config =
       folder_.write("config.yaml",
                     "local_tracker: {estimator: kalman, lifecycle: {confirm_hits: 2}}\n"
-                    "sensor_fusion: {tracker_name: everything}\n");
+                    "sensor_fusion: {tracker_name: everything}\n"
+                    "track_fusion: {rule: weighted_covariance}\n");
   const auto newest = [&](const std::string& topic) {
     rosbag::Bag bag(file("out.bag"));
     rosbag::View view(bag, rosbag::TopicQuery(topic));
@@ -278,7 +279,7 @@ TEST_F(Replay, ConfigurationAndEstimatorAreObeyed) {
   EXPECT_EQ(newest("/sensors/left/tracks").estimator, "kalman");
   EXPECT_EQ(newest("/sensors/left/tracks").tracker, "left");
   EXPECT_EQ(newest("/sensor_fusion/tracks").tracker, "everything");
-  EXPECT_EQ(newest("/fusion/tracks").estimator, "cross_covariance");
+  EXPECT_EQ(newest("/fusion/tracks").estimator, "weighted_covariance");
   replay(file("in.bag"), file("out.bag"), {config, "imm", "covariance_intersection"});
   EXPECT_EQ(newest("/sensors/left/tracks").estimator, "imm");
   EXPECT_EQ(newest("/sensor_fusion/tracks").estimator, "imm");
