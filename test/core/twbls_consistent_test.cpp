@@ -55,21 +55,39 @@ TEST(TwblsConsistent, MatchesTheReferenceVectors) {
   }
 }
 
-/// (S-4), (S-5) as written, one channel, by Cholesky factorisation of R + q K.
+/// (S-4).
+Eigen::MatrixXd kernel(const Eigen::ArrayXd& age) {
+  Eigen::MatrixXd K(age.size(), age.size());
+  for (Eigen::Index i = 0; i < age.size(); ++i) {
+    for (Eigen::Index j = 0; j < age.size(); ++j) {
+      const double m = std::min(age(i), age(j)), M = std::max(age(i), age(j));
+      K(i, j) = m * m * (3.0 * M - m) / 6.0;
+    }
+  }
+  return K;
+}
+
+/// (S-5) as written, one channel, by Cholesky factorisation of R + q K.
 Eigen::Vector2d byTheKernel(const Eigen::ArrayXd& age, const Eigen::ArrayXd& value,
                             const Eigen::ArrayXd& variance, double q, Eigen::Matrix2d& P) {
-  const Eigen::Index n = age.size();
-  Eigen::MatrixXd covariance(n, n), F(n, 2);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const double m = std::min(age(i), age(j)), M = std::max(age(i), age(j));
-      covariance(i, j) = q * m * m * (3.0 * M - m) / 6.0 + (i == j ? variance(i) : 0.0);
-    }
-    F.row(i) << age(i), 1.0;
-  }
+  Eigen::MatrixXd covariance = q * kernel(age), F(age.size(), 2);
+  covariance.diagonal() += variance.matrix();
+  F << age.matrix(), Eigen::VectorXd::Ones(age.size());
   const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
   P = (F.transpose() * llt.solve(F)).inverse();
   return P * F.transpose() * llt.solve(value.matrix());
+}
+
+TEST(TwblsConsistent, ItsYardstickMatchesTheReferenceVectors) {
+  SIGHTLINE_REQUIRE_SHARED();
+  const YAML::Node K = test::golden("wna_kernel"), expected = test::golden("gls"),
+                   line = test::golden("wls_none");
+  test::expectGolden(kernel(test::array(K["age"])), test::matrix(K["K"]));
+  Eigen::Matrix2d P;
+  const Eigen::Vector2d C = byTheKernel(test::array(line["age"]), test::array(line["y"]),
+                                        test::array(line["sigma"]).square(), expected["q"].as<double>(), P);
+  test::expectGolden(C, Eigen::Vector2d(expected["C1"].as<double>(), expected["C2"].as<double>()));
+  test::expectGolden(P, test::matrix(expected["P"]));
 }
 
 TEST(TwblsConsistent, EqualsGeneralisedLeastSquaresWithTheKernelOnAMovingWindow) {
