@@ -64,10 +64,11 @@ void NogaConsistentEstimator::update(const Measurement& measurement) {
   noise_.add(R);
   if (time_) {
     const double h = seconds(measurement.time - *time_);
-    beliefs_ = expected(h);
+    beliefs_ = expected(h);  // 4.3 (i), (ii)
     ModeArray log_likelihoods(modes());
-    for (int mode = 0; mode < modes(); ++mode) log_likelihoods(mode) = reduce(beliefs_[mode], measurement);
-    chain_.update(h, log_likelihoods);
+    for (int mode = 0; mode < modes(); ++mode)
+      log_likelihoods(mode) = reduce(beliefs_[mode], measurement);  // (iii)
+    chain_.update(h, log_likelihoods);                              // (iv)
   } else {
     start(measurement);
   }
