@@ -31,6 +31,7 @@ struct ScanReport {
   Time time{};                            ///< of `tracks`: the newest scan's
   std::vector<Track> tracks;              ///< ascending id, in the tracking frame, valid at `time`
   std::vector<Association> associations;  ///< one for each sighting of this scan, in its order
+  double noise_scale = 1.0;               ///< factor on the variances with which the sightings were used
   std::string dropped;                    ///< why the scan was not used (late, duplicate); empty if it was
   std::string notice;  ///< what else an operator must know (the clock went back); mostly empty
 };
