@@ -33,9 +33,7 @@ void SensorHealth::CumulatedSum::add(double evidence, Time time) {
 }
 
 SensorHealth::SensorHealth(const SensorHealthParams& params, Time since, int channels)
-    : params_(params), last_(since), ratios_(PerChannel::Ones(channels)), mean_(PerChannel::Zero(channels)) {
-  check(params, channels);
-}
+    : params_(checked(params, channels)), last_(since), mean_(PerChannel::Zero(channels)) {}
 
 std::optional<HealthChange> SensorHealth::add(Time time, const Innovation& innovation) {
   const PerChannel u = (innovation.nu / (innovation.predicted + innovation.stated).sqrt())
