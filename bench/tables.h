@@ -27,5 +27,6 @@ void printScenarios(const Options& options);   ///< the eight scenarios of secti
 void printUnseen(const Options& options);      ///< six trajectories that estimators.md does not name
 void printSixSensors(const Options& options);  ///< six asynchronous sensors in one tracker
 void printScale(const Options& options);       ///< the same at every angular scale
+void printRecordings(const Options& options);  ///< recorded sightings, section 8
 
 }  // namespace sightline::bench

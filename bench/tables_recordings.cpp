@@ -1,0 +1,344 @@
+// Recorded sightings, section 8: the position predicted half a second ahead, against the best of twenty
+// single filters chosen for each sensor in hindsight.
+//
+// A recording is split at pauses over 1 s; of each sensor the first six stretches of at least 40 sightings
+// count. Every sighting is shown to every contender. The filters: white acceleration and white jerk of
+// 1e-2 ... 1e7 times the stated variance. The error is the angle between the predicted direction and the
+// sighting nearest to 0.5 s later, within 30 ms, from the second sighting of a stretch on; root mean square
+// of a channel. (Section 8 has raw azimuths and does not say where it starts to count: its figures, beside
+// ours, are of the same size only.) NIS: squared innovation over what was expected (P and the noise as the
+// contender found it), a channel, after the first 2 s of a stretch. Bands over blocks of 2 s.
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "sightline/core/estimators.h"
+
+#include "monte_carlo.h"
+#include "parallel.h"
+#include "recordings.h"
+#include "tables.h"
+
+namespace sightline::bench {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr double kAhead = 0.5, kNearby = 0.03, kSettled = 2.0, kBlock = 2.0;  // [s]
+constexpr std::size_t kStretches = 6;
+
+/// One line of the table.
+struct Recorded {
+  std::string name;
+  bool in_section_8 = false;
+  double reference_best = std::nan("");  // of the best single filter, section 8 [degree]
+  std::vector<Stretch> stretches;
+};
+
+struct Outcome {
+  std::string name;
+  Sample squares;  // sum of squared angles of each block [rad^2]
+  int predictions = 0;
+  double nis = 0.0, noise_scale = 1.0;
+
+  double rms() const {
+    const double sum = squares.mean() * static_cast<double>(squares.values().size());
+    return std::sqrt(sum / (2.0 * predictions));
+  }
+};
+
+/// Factor on the stated variances with which an estimator uses its sightings, 1 if it takes them as stated.
+template <typename Estimator>
+auto noiseScaleOf(const Estimator& estimator, int) -> decltype(estimator.noiseScale()) {
+  return estimator.noiseScale();
+}
+template <typename Estimator>
+double noiseScaleOf(const Estimator&, long) {
+  return 1.0;
+}
+
+/// Index of the sighting nearest to `time`, or none within kNearby.
+std::optional<std::size_t> nearest(const Stretch& stretch, core::Time time) {
+  const auto after = std::lower_bound(stretch.times.begin(), stretch.times.end(), time);
+  std::optional<std::size_t> best;
+  double smallest = kNearby;
+  for (const auto place : {after == stretch.times.begin() ? after : after - 1, after}) {
+    if (place == stretch.times.end()) continue;
+    const double miss = std::abs(core::seconds(*place - time));
+    if (miss <= smallest) smallest = miss, best = static_cast<std::size_t>(place - stretch.times.begin());
+  }
+  return best;
+}
+
+/// A contender's way through one stretch.
+class Follower {
+ public:
+  Follower(const Contender& contender, const Stretch& stretch)
+      : stretch_(stretch),
+        estimator_(contender.make()),
+        chart_(core::Chart::around(stretch.sightings.front().direction)) {}
+
+  void run(std::vector<double>& blocks, Outcome& outcome, double& sum_nis, int& innovations) {
+    const core::Time start = stretch_.times.front();
+    const std::size_t first_block = blocks.size();
+    for (std::size_t i = 0; i < stretch_.times.size(); ++i) {
+      const core::Time time = stretch_.times[i];
+      const core::Measurement measurement = measured(i);
+      if (const auto state = estimator_->stateAt(time); state && core::seconds(time - start) > kSettled) {
+        const Eigen::Matrix2d S =
+            state->anglesCovariance() + noiseScaleOf(*estimator_, 0) * measurement.covariance;
+        const Eigen::Vector2d innovation = core::angleDifference(measurement.position, state->angles());
+        sum_nis += innovation.dot(S.llt().solve(innovation)) / 2.0;
+        ++innovations;
+      }
+      estimator_->update(measurement);
+      const auto target = nearest(stretch_, time + core::durationOf(kAhead));
+      if (i == 0 || !target || *target == i) continue;  // one sighting tells no motion
+      const auto ahead = estimator_->stateAt(stretch_.times[*target]);
+      const double angle =
+          core::angleBetween(chart_.directionAt(ahead->angles()), stretch_.sightings[*target].direction);
+      const auto block = first_block + static_cast<std::size_t>(core::seconds(time - start) / kBlock);
+      if (blocks.size() <= block) blocks.resize(block + 1, 0.0);
+      blocks[block] += angle * angle;
+      ++outcome.predictions;
+    }
+    outcome.noise_scale = noiseScaleOf(*estimator_, 0);
+  }
+
+ private:
+  /// The sighting in the chart, after the chart has moved along if the target has left it.
+  core::Measurement measured(std::size_t i) {
+    if (const auto state = estimator_->stateAt(stretch_.times[i]); state && !chart_.holds(state->angles())) {
+      const core::Chart next = core::Chart::around(chart_.directionAt(state->angles()));
+      estimator_->rotate(next.R_chart_tracking() * chart_.R_chart_tracking().transpose());
+      chart_ = next;
+    }
+    core::Measurement measurement;
+    measurement.time = stretch_.times[i];
+    measurement.position = chart_.coordinatesOf(stretch_.sightings[i].direction);
+    measurement.covariance = chart_.covarianceOf(stretch_.sightings[i]);
+    return measurement;
+  }
+
+  const Stretch& stretch_;
+  std::unique_ptr<core::Estimator> estimator_;
+  core::Chart chart_;
+};
+
+Outcome follow(const Contender& contender, const std::vector<Stretch>& stretches) {
+  Outcome outcome;
+  outcome.name = contender.name;
+  std::vector<double> blocks;
+  double sum_nis = 0.0;
+  int innovations = 0;
+  for (const Stretch& stretch : stretches)
+    Follower(contender, stretch).run(blocks, outcome, sum_nis, innovations);
+  outcome.squares = Sample(std::move(blocks));
+  outcome.nis = sum_nis / innovations;
+  return outcome;
+}
+
+std::vector<Contender> singleFilters() {
+  const double all = std::numeric_limits<double>::infinity();
+  std::vector<Contender> filters;
+  for (int exponent = -2; exponent <= 7; ++exponent) {
+    core::EstimatorParams acceleration, jerk;
+    acceleration.kind = core::EstimatorKind::kalman;
+    acceleration.kalman.process_noise_ratio = std::pow(10.0, exponent);
+    acceleration.kalman.initial_rate_sigma = 0.5;
+    jerk.kind = core::EstimatorKind::imm;
+    jerk.imm.models = {{2, {0.0, std::pow(10.0, exponent)}}};
+    jerk.imm.initial_rate_sigma = jerk.imm.initial_acceleration_sigma = 0.5;
+    const std::string power = "1e" + std::to_string(exponent);
+    filters.push_back({"acc " + power, [acceleration] { return core::makeEstimator(acceleration); }, all});
+    filters.push_back({"jerk " + power, [jerk] { return core::makeEstimator(jerk); }, all});
+  }
+  return filters;
+}
+
+std::vector<Contender> contenders() {
+  std::vector<Contender> all = ours(std::numeric_limits<double>::infinity());
+  core::EstimatorParams imm, kalman;
+  imm.kind = core::EstimatorKind::imm;
+  kalman.kind = core::EstimatorKind::kalman;
+  all.push_back({"IMM", [imm] { return core::makeEstimator(imm); }, all.front().gate});
+  all.push_back({"Kalman", [kalman] { return core::makeEstimator(kalman); }, all.front().gate});
+  return all;
+}
+
+std::map<std::string, std::vector<Stretch>> sensorsOf(const std::string& file) {
+  std::map<std::string, std::vector<Stretch>> sensors;
+  for (Stretch& stretch : readStretches(file)) {
+    auto& stretches = sensors[stretch.sensor];
+    if (stretches.size() < kStretches) stretches.push_back(std::move(stretch));
+  }
+  return sensors;
+}
+
+/// Centres of the boxes of a thermal clip with one box a frame, with a sigma of one pixel; field of view
+/// taken to be 24 x 19 degrees over 320 x 256 pixels.
+Stretch readBoxes(const std::string& file) {
+  std::ifstream stream(file);
+  if (!stream) throw std::runtime_error(file + ": cannot be read");
+  constexpr double kPixel = 24.0 / 320.0 * kDegree;
+  Stretch stretch;
+  std::string line;
+  std::getline(stream, line);
+  while (std::getline(stream, line)) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    if (cells.size() < 7) throw std::runtime_error(file + ": expected seven columns in \"" + line + "\"");
+    const core::Time time(core::durationOf(std::stod(cells[1])));
+    if (!stretch.times.empty() && time <= stretch.times.back()) continue;  // a second target
+    const double x = std::stod(cells[3]) + 0.5 * std::stod(cells[5]);
+    const double y = std::stod(cells[4]) + 0.5 * std::stod(cells[6]);
+    stretch.times.push_back(time);
+    stretch.sightings.push_back(core::sightingOf({-kPixel * (x - 160.0), -kPixel * (y - 128.0)},
+                                                 Eigen::Matrix2d::Identity() * (kPixel * kPixel)));
+  }
+  return stretch;
+}
+
+std::vector<Recorded> recordings(const std::string& folder) {
+  struct Named {
+    const char *file, *sensor, *name;
+    double best;  // NaN: not in section 8
+  };
+  const double none = std::nan("");
+  const Named named[] = {{"fireball_3_stations", "DFNSMALL36", "fireball 3, 36", 0.084},
+                         {"fireball_3_stations", "DFNSMALL38", "fireball 3, 38", 0.067},
+                         {"fireball_3_stations", "DFNSMALL40", "fireball 3, 40", 0.065},
+                         {"fireball_2_stations", "APO", "fireball 2, APO", 0.116},
+                         {"fireball_2_stations", "KOP", "fireball 2, KOP", 1.200},
+                         {"drone_5_cameras", "cam3", "drone, cam3", 0.189},
+                         {"drone_5_cameras", "cam5", "drone, cam5", 0.195},
+                         {"drone_5_cameras", "cam1", "drone, cam1", none},
+                         {"drone_5_cameras", "cam0", "drone, cam0", none},
+                         {"drone_5_cameras", "cam4", "drone, cam4", none}};
+  std::map<std::string, std::map<std::string, std::vector<Stretch>>> read;
+  std::vector<Recorded> all;
+  for (const Named& entry : named) {
+    if (read.count(entry.file) == 0)
+      read[entry.file] = sensorsOf(folder + "/" + entry.file + "/sightings.csv");
+    all.push_back({entry.name, !std::isnan(entry.best), entry.best, read[entry.file][entry.sensor]});
+  }
+  const std::pair<const char*, std::vector<const char*>> clips[] = {
+      {"infrared, drones", {"DRONE_021", "DRONE_059", "DRONE_060", "DRONE_061", "DRONE_142"}},
+      {"infrared, aircraft", {"AIRPLANE_019", "AIRPLANE_041", "AIRPLANE_051", "HELICOPTER_015"}}};
+  for (const auto& [name, files] : clips) {
+    Recorded recorded;
+    recorded.name = name;
+    for (const char* file : files)
+      recorded.stretches.push_back(readBoxes(folder + "/infrared/IR_" + file + "_boxes.csv"));
+    all.push_back(std::move(recorded));
+  }
+  return all;
+}
+
+struct Line {
+  Recorded recorded;
+  std::vector<Outcome> contenders;
+  Outcome best;
+};
+
+Line measured(const Recorded& recorded, const Options& options) {
+  const std::vector<Contender> filters = singleFilters();
+  std::vector<Contender> all = contenders();
+  const std::size_t count = all.size();
+  all.insert(all.end(), filters.begin(), filters.end());
+  std::vector<Outcome> outcomes(all.size());
+  forEachRun(static_cast<int>(all.size()), options.threads, [&](int k) {
+    outcomes[static_cast<std::size_t>(k)] = follow(all[static_cast<std::size_t>(k)], recorded.stretches);
+  });
+  Line line;
+  line.recorded = recorded;
+  line.contenders.assign(outcomes.begin(), outcomes.begin() + static_cast<std::ptrdiff_t>(count));
+  line.best = outcomes[count];
+  for (std::size_t k = count; k < outcomes.size(); ++k)
+    if (outcomes[k].rms() < line.best.rms()) line.best = outcomes[k];
+  return line;
+}
+
+void printLine(const Line& line) {
+  std::printf("%-19s|%7.3f %-8s", line.recorded.name.c_str(), line.best.rms() / kDegree,
+              line.best.name.c_str());
+  if (line.recorded.in_section_8) {
+    std::printf("%6.3f ", line.recorded.reference_best);
+  } else {
+    std::printf("%6s ", "-");
+  }
+  for (std::size_t k = 0; k < line.contenders.size(); ++k) {
+    const Outcome& outcome = line.contenders[k];
+    const Ratio ratio = rootRatio(outcome.squares, line.best.squares);
+    std::printf("|%7.3f %5.2f +-%4.2f", outcome.rms() / kDegree, ratio.value, ratio.log_band * ratio.value);
+    if (k < 2) std::printf(" %5.2f %5.2f", outcome.nis, std::sqrt(outcome.noise_scale));
+  }
+  std::printf("\n");
+}
+
+void printMeans(const std::vector<Line>& lines, bool in_section_8) {
+  for (std::size_t k = 0; k < lines.front().contenders.size(); ++k) {
+    std::vector<Ratio> ratios;
+    Ratio worst;
+    double least_nis = 1e9, largest_nis = 0.0;
+    for (const Line& line : lines) {
+      if (line.recorded.in_section_8 != in_section_8) continue;
+      const Outcome& outcome = line.contenders[k];
+      ratios.push_back(rootRatio(outcome.squares, line.best.squares));
+      if (ratios.back().value > worst.value) worst = ratios.back();
+      least_nis = std::min(least_nis, outcome.nis), largest_nis = std::max(largest_nis, outcome.nis);
+    }
+    const Ratio mean = geometricMean(ratios);
+    const double band = mean.log_band * mean.value;
+    std::printf("  %-7s geometric mean %.3f +-%.3f", lines.front().contenders[k].name.c_str(), mean.value,
+                band);
+    if (k < 2) {
+      std::printf(" <= 1.00 %s, then 0.95 %s", markOf(mean.value, 1.0, band), markOf(mean.value, 0.95, band));
+      std::printf("; worst %.2f <= 1.15 %s", worst.value,
+                  markOf(worst.value, 1.15, worst.log_band * worst.value));
+      const bool low = markOf(least_nis, 0.7, 1.4, 0.0)[0] == 'm', high = largest_nis <= 1.4;
+      std::printf("; NIS %.2f to %.2f in [0.7, 1.4] %s", least_nis, largest_nis,
+                  low && high ? "met" : "MISSED");
+    }
+    std::printf("\n");
+  }
+}
+
+}  // namespace
+
+void printRecordings(const Options& options) {
+  std::printf(
+      "\n## Recordings: position predicted 0.5 s ahead, degrees rms of a channel, over the best of 20 single "
+      "filters in hindsight\n");
+  if (options.recordings.empty() || !std::filesystem::is_directory(options.recordings)) {
+    std::printf("skipped: there are no recordings in \"%s\"; name their folder with --recordings DIR\n",
+                options.recordings.c_str());
+    return;
+  }
+  std::vector<Line> lines;
+  for (const Recorded& recorded : recordings(options.recordings))
+    lines.push_back(measured(recorded, options));
+  std::printf("%-19s|%-15s %-7s", "", "  best single", "sec. 8");
+  for (std::size_t k = 0; k < lines.front().contenders.size(); ++k) {
+    const std::string& name = lines.front().contenders[k].name;
+    std::printf("|%-7s  ratio      %s", name.c_str(), k < 2 ? "   NIS scale" : "");
+  }
+  std::printf("\n");
+  for (const Line& line : lines) printLine(line);
+  std::printf("the seven of section 8:\n");
+  printMeans(lines, true);
+  std::printf("not named there (drone cameras, thermal clips):\n");
+  printMeans(lines, false);
+}
+
+}  // namespace sightline::bench
