@@ -27,9 +27,13 @@ struct Table {
   void (*print)(const Options&);
 };
 
-constexpr Table kTables[] = {{"paper", printPaper},   {"scenarios", printScenarios},
-                             {"unseen", printUnseen}, {"six-sensors", printSixSensors},
-                             {"scale", printScale},   {"recordings", printRecordings}};
+constexpr Table kTables[] = {{"paper", printPaper},
+                             {"scenarios", printScenarios},
+                             {"unseen", printUnseen},
+                             {"six-sensors", printSixSensors},
+                             {"scale", printScale},
+                             {"recordings", printRecordings},
+                             {"consistency", printConsistency}};
 
 int numberOf(const std::string& option, const std::string& text, int least) {
   std::size_t used = 0;

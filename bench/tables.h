@@ -22,11 +22,12 @@ const char* markOf(double value, double aim, double band);
 /// The same for an aim of low <= value <= high.
 const char* markOf(double value, double low, double high, double band);
 
-void printPaper(const Options& options);       ///< the paper's benchmark, every form of every estimator
-void printScenarios(const Options& options);   ///< the eight scenarios of section 7.1
-void printUnseen(const Options& options);      ///< six trajectories that estimators.md does not name
-void printSixSensors(const Options& options);  ///< six asynchronous sensors in one tracker
-void printScale(const Options& options);       ///< the same at every angular scale
-void printRecordings(const Options& options);  ///< recorded sightings, section 8
+void printPaper(const Options& options);        ///< the paper's benchmark, every form of every estimator
+void printScenarios(const Options& options);    ///< the eight scenarios of section 7.1
+void printUnseen(const Options& options);       ///< six trajectories that estimators.md does not name
+void printSixSensors(const Options& options);   ///< six asynchronous sensors in one tracker
+void printScale(const Options& options);        ///< the same at every angular scale
+void printRecordings(const Options& options);   ///< recorded sightings, section 8
+void printConsistency(const Options& options);  ///< ANEES of what is published
 
 }  // namespace sightline::bench
