@@ -22,6 +22,10 @@ Chart Chart::around(const Eigen::Vector3d& direction) {
   return around(direction, kTiltAbove);
 }
 
+Chart Chart::centredOn(const Eigen::Vector3d& direction) {
+  return around(direction, -1.0);
+}
+
 Chart Chart::following(const Eigen::Vector3d& direction) const {
   return around(direction, tilted_ ? kTiltStaysAbove : kTiltAbove);
 }

@@ -62,7 +62,7 @@ void ImmEstimator::update(const Measurement& measurement) {
                                                        params_.initial_acceleration_sigma);
     motions_.fill(motion);
   }
-  noise_.add(measurement.covariance);
+  noise_.add(measurement.covariance, measurement.sightings);
   time_ = measurement.time;
 }
 

@@ -28,7 +28,7 @@ void KalmanEstimator::update(const Measurement& measurement) {
     const AngularState first = firstState(measurement, params_.initial_rate_sigma);
     motion_ = {first.mean, first.covariance};
   }
-  noise_.add(measurement.covariance);
+  noise_.add(measurement.covariance, measurement.sightings);
   time_ = measurement.time;
 }
 

@@ -61,7 +61,7 @@ std::unique_ptr<Estimator> NogaConsistentEstimator::clone() const {
 void NogaConsistentEstimator::update(const Measurement& measurement) {
   const Eigen::Matrix2d& R = measurement.covariance;
   coupled_ = coupled_ || std::abs(R(0, 1)) > kCoupling * std::sqrt(R(0, 0) * R(1, 1));
-  noise_.add(R);
+  noise_.add(R, measurement.sightings);
   if (time_) {
     const double h = seconds(measurement.time - *time_);
     beliefs_ = expected(h);  // 4.3 (i), (ii)

@@ -9,7 +9,7 @@
 namespace sightline::core {
 namespace {
 
-constexpr int kMemory = 32;  // sightings over which the mean is smoothed
+constexpr double kMemory = 32.0;  // sightings over which the mean is smoothed
 
 Eigen::Matrix2d inverse(const Eigen::Matrix2d& positive_definite) {
   return symmetric(positive_definite.inverse());  // 2x2: exact but for the cancellation in the determinant
@@ -17,14 +17,14 @@ Eigen::Matrix2d inverse(const Eigen::Matrix2d& positive_definite) {
 
 }  // namespace
 
-void SightingNoise::add(const Eigen::Matrix2d& R) {
-  sightings_ = std::min(sightings_ + 1, kMemory);
-  information_ += (inverse(R) - information_) / sightings_;
+void SightingNoise::add(const Eigen::Matrix2d& R, double sightings) {
+  sightings_ = std::min(sightings_ + sightings, kMemory);
+  information_ += std::min(sightings / sightings_, 1.0) * (inverse(sightings * R) - information_);
   covariance_ = inverse(information_);
 }
 
 void SightingNoise::transform(const Eigen::Matrix2d& J) {
-  if (sightings_ == 0) return;
+  if (sightings_ == 0.0) return;
   covariance_ = symmetric(J * covariance_ * J.transpose());
   information_ = inverse(covariance_);
 }

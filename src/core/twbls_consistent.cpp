@@ -60,7 +60,7 @@ std::unique_ptr<Estimator> TwblsConsistentEstimator::clone() const {
 
 void TwblsConsistentEstimator::update(const Measurement& measurement) {
   if (!window_.empty()) weigh(measurement);
-  noise_.add(measurement.covariance);
+  noise_.add(measurement.covariance, measurement.sightings);
   window_.push_back(measurement);
   if (window_.size() > static_cast<std::size_t>(params_.max_sightings)) window_.erase(window_.begin());
   fitWindow();

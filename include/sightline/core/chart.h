@@ -22,6 +22,9 @@ class Chart {
   /// The chart for a target in `direction` (unit vector, tracking frame).
   static Chart around(const Eigen::Vector3d& direction);
 
+  /// The chart with `direction` at its origin, wherever that is: the plane that touches the sphere there.
+  static Chart centredOn(const Eigen::Vector3d& direction);
+
   /// The chart that follows this one for a target that has gone to `direction`. Coming from a tilted chart it
   /// stays tilted down to 45 degrees: the sightings of the last seconds, near the zenith, must have their
   /// place in it too.

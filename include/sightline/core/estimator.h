@@ -18,6 +18,7 @@ struct Measurement {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();        ///< (azimuth, elevation) in the chart [rad]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of `position` [rad^2]
   double ifov = std::numeric_limits<double>::quiet_NaN();    ///< of the sensor [rad], NaN = not known
+  double sightings = 1.0;  ///< how many of the sensor's sightings were summed up in this one, > 0
 };
 
 /// The same sighting in a chart whose frame is turned by R_new_old.

@@ -12,8 +12,9 @@ namespace sightline::core {
 /// it, and a fine one that joins coarse ones does at once.
 class SightingNoise {
  public:
-  /// `R` covariance of a sighting's chart coordinates [rad^2], positive definite.
-  void add(const Eigen::Matrix2d& R);
+  /// `R` covariance of a sighting's chart coordinates [rad^2], positive definite; or of the mean of so many
+  /// `sightings`, > 0, which then count one by one.
+  void add(const Eigen::Matrix2d& R, double sightings = 1.0);
 
   /// The mean [rad^2]; before the first sighting zero.
   const Eigen::Matrix2d& covariance() const { return covariance_; }
@@ -24,7 +25,7 @@ class SightingNoise {
  private:
   Eigen::Matrix2d information_ = Eigen::Matrix2d::Zero();
   Eigen::Matrix2d covariance_ = Eigen::Matrix2d::Zero();
-  int sightings_ = 0;  // of those that count in the mean
+  double sightings_ = 0.0;  // of those that count in the mean
 };
 
 /// White process noise, absolute or in proportion to the sightings' noise.
