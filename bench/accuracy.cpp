@@ -33,7 +33,8 @@ constexpr Table kTables[] = {{"paper", printPaper},
                              {"six-sensors", printSixSensors},
                              {"scale", printScale},
                              {"recordings", printRecordings},
-                             {"consistency", printConsistency}};
+                             {"consistency", printConsistency},
+                             {"degraded", printDegraded}};
 
 int numberOf(const std::string& option, const std::string& text, int least) {
   std::size_t used = 0;

@@ -29,5 +29,6 @@ void printSixSensors(const Options& options);   ///< six asynchronous sensors in
 void printScale(const Options& options);        ///< the same at every angular scale
 void printRecordings(const Options& options);   ///< recorded sightings, section 8
 void printConsistency(const Options& options);  ///< ANEES of what is published
+void printDegraded(const Options& options);     ///< one of six sensors degrades unannounced: the guard
 
 }  // namespace sightline::bench

@@ -112,6 +112,18 @@ void LiveTrack::miss(const Scan& scan, const LifecycleParams& lifecycle) {
   ++scans_;
 }
 
+Vouching LiveTrack::vouchingFor(const std::string& sensor, Time time, const SensorGuard& guard) const {
+  Vouching vouching;
+  for (const Source& source : sources_) {
+    if (source.sensor == sensor) {
+      vouching.knows_sensor = true;
+    } else if (guard.mayVouch(source.sensor, seconds(time - source.last_sighting))) {
+      ++vouching.others;
+    }
+  }
+  return vouching;
+}
+
 void LiveTrack::noteSource(const Scan& scan) {
   for (Source& source : sources_) {
     if (source.sensor != scan.sensor) continue;

@@ -4,37 +4,34 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
-#include <tuple>
+#include <utility>
 
 namespace sightline::core {
 namespace {
 
-constexpr double kClockJump = 5.0;  // lateness that is no mere latency [s]
-constexpr int kScansOfAJump = 20;   // so late in a row: the clock went back
-constexpr int kStatesPerLag = 8;    // states kept over max_lag, from which a late scan can start
-constexpr std::size_t kMostRemembered = 4096;
+constexpr double kClockJump = 5.0;        // lateness that is no mere latency [s]
+constexpr int kScansOfAJump = 20;         // so late in a row: the clock went back
+constexpr std::size_t kMostChanges = 64;  // of sensors' verdicts that are remembered
 
 bool hasUsableNumbers(const Sighting& sighting) {
   return sighting.direction.allFinite() && std::abs(sighting.direction.squaredNorm() - 1.0) < 1e-6 &&
          sighting.covariance.allFinite() && sighting.covariance.trace() > 0.0;
 }
 
-/// Order in which scans are followed: by time; at one instant by sensor, then by content, so that the order
-/// of arrival does not matter.
-bool precedes(const Scan& a, const Scan& b) {
-  if (a.time != b.time) return a.time < b.time;
-  if (a.sensor != b.sensor) return a.sensor < b.sensor;
-  return std::lexicographical_compare(
-      a.sightings.begin(), a.sightings.end(), b.sightings.begin(), b.sightings.end(),
-      [](const Sighting& x, const Sighting& y) {
-        return std::make_tuple(x.direction.x(), x.direction.y(), x.direction.z()) <
-               std::make_tuple(y.direction.x(), y.direction.y(), y.direction.z());
-      });
+bool isSame(const SensorChange& a, const SensorChange& b) {
+  return a.sensor == b.sensor && a.change.time == b.change.time && a.change.verdict == b.change.verdict;
 }
 
-bool isSameExposure(const Scan& a, const Scan& b) {
-  return a.time == b.time && a.sensor == b.sensor && a.sightings.size() == b.sightings.size() &&
-         !precedes(a, b) && !precedes(b, a);
+/// The last of a list of changes.
+void keepTheLast(std::vector<SensorChange>& changes) {
+  if (changes.size() > kMostChanges) changes.erase(changes.begin());
+}
+
+/// The scan with its noise taken for `noise_scale` times as large.
+Scan withNoise(const Scan& scan, double noise_scale) {
+  Scan scaled = scan;
+  for (Sighting& sighting : scaled.sightings) sighting.covariance *= noise_scale;
+  return scaled;
 }
 
 /// A scan's usable sightings, with their places in it and the verdict on the others.
@@ -69,7 +66,10 @@ Sifted sift(const Scan& scan, std::size_t most) {
 
 }  // namespace
 
-LocalTracker::LocalTracker(const LocalTrackerParams& params) : params_(params) {
+LocalTracker::LocalTracker(const LocalTrackerParams& params)
+    : params_(params),
+      state_{Time{}, 1, {}, SensorGuard(params.guard), {}},
+      memory_(params.max_lag, params.guard.enabled ? params.guard.roll_back : 0.0) {
   if (params.max_tracks < 1 || params.max_sightings < 1 || !(params.max_lag >= 0.0)) {
     throw std::invalid_argument(
         "LocalTrackerParams: max_tracks and max_sightings >= 1, max_lag >= 0 are required");
@@ -89,10 +89,10 @@ ScanReport LocalTracker::onScan(const Scan& scan) {
   }
   result.dropped = refusalOf(sifted.scan);
   if (result.dropped.empty()) {
-    std::vector<Association> decisions = putInPlace(sifted.scan);
-    for (std::size_t k = 0; k < decisions.size(); ++k) {
-      decisions[k].sighting = static_cast<std::uint32_t>(sifted.place[k]);
-      sifted.verdicts[sifted.place[k]] = std::move(decisions[k]);
+    putInPlace(sifted.scan, result);
+    for (std::size_t k = 0; k < result.associations.size(); ++k) {
+      result.associations[k].sighting = static_cast<std::uint32_t>(sifted.place[k]);
+      sifted.verdicts[sifted.place[k]] = std::move(result.associations[k]);
     }
   } else {
     for (const std::size_t place : sifted.place) sifted.verdicts[place].reason = result.dropped;
@@ -105,97 +105,159 @@ ScanReport LocalTracker::onScan(const Scan& scan) {
 
 std::string LocalTracker::refusalOf(const Scan& scan) const {
   const double lateness = seconds(state_.time - scan.time);
-  const bool anything_before = !remembered_.empty();
+  const bool anything_before = !memory_.empty();
   if (anything_before && lateness > params_.max_lag) {
     std::ostringstream why;
     why << "late: " << lateness << " s older than the newest scan, more than max_lag " << params_.max_lag
         << " s";
     return why.str();
   }
-  if (anything_before && scan.time < remembered_.front().before->time) {
-    return "late: more than " + std::to_string(kMostRemembered) + " scans have come after it";
+  if (memory_.isBefore(scan.time)) {
+    return "late: more than " + std::to_string(ScanMemory<State>::kMostEntries) + " scans have come after it";
   }
-  for (auto it = remembered_.rbegin(); it != remembered_.rend() && it->scan.time >= scan.time; ++it) {
-    if (isSameExposure(it->scan, scan))
-      return "duplicate: this exposure of " + scan.sensor + " has been taken already";
-  }
+  if (memory_.holds(scan)) return "duplicate: this exposure of " + scan.sensor + " has been taken already";
   return {};
 }
 
 bool LocalTracker::clockWentBack(const Scan& scan) {
   const bool far_late =
-      !remembered_.empty() && seconds(state_.time - scan.time) > std::max(kClockJump, 4.0 * params_.max_lag);
+      !memory_.empty() && seconds(state_.time - scan.time) > std::max(kClockJump, 4.0 * params_.max_lag);
   late_in_a_row_ = far_late ? late_in_a_row_ + 1 : 0;
   return late_in_a_row_ >= kScansOfAJump;
 }
 
 void LocalTracker::startAnew(Time time) {
   state_.tracks.clear();
+  state_.guard = SensorGuard(params_.guard);
   state_.time = time;
-  remembered_.clear();
+  memory_.clear();
   late_in_a_row_ = 0;
 }
 
 /// Follows the scan at its place in time; what had been followed after it is followed again.
-std::vector<Association> LocalTracker::putInPlace(const Scan& scan) {
-  auto place = std::upper_bound(remembered_.begin(), remembered_.end(), scan,
-                                [](const Scan& a, const Remembered& b) { return precedes(a, b.scan); });
-  const auto index = static_cast<std::size_t>(place - remembered_.begin());
-  remembered_.insert(place, {scan, nullptr});
-
-  std::size_t from = index;
-  if (index + 1 <
-      remembered_.size()) {  // late: back to the nearest state that has seen nothing after the scan
-    if (index == 0) remembered_[0].before = std::move(remembered_[1].before);
-    while (!remembered_[from].before) --from;
-    state_ = State(*remembered_[from].before);
-    for (std::size_t k = from + 1; k < remembered_.size(); ++k) remembered_[k].before.reset();
+void LocalTracker::putInPlace(const Scan& scan, ScanReport& result) {
+  const std::size_t index = memory_.insert(scan);
+  const bool is_late = index + 1 < memory_.size();
+  for (std::size_t k = is_late ? memory_.goBack(index, state_) : index; k < memory_.size(); ++k) {
+    memory_.keepIfDue(k, state_);
+    std::vector<Association> decisions = follow(k);
+    if (k != index) continue;
+    result.associations = std::move(decisions);
+    result.noise_scale = memory_[k].noise_scale;
   }
-  std::vector<Association> decisions;
-  for (std::size_t k = from; k < remembered_.size(); ++k) {
-    if (isStateDue(k)) remembered_[k].before = std::make_unique<State>(state_);
-    std::vector<Association> taken = follow(remembered_[k].scan);
-    if (k == index) decisions = std::move(taken);
-  }
-  forgetOldScans();
-  return decisions;
-}
-
-/// Whether the state before the k-th remembered scan should be kept: always the first one, then a few for
-/// each lag.
-bool LocalTracker::isStateDue(std::size_t k) const {
-  if (remembered_[k].before) return false;
-  for (std::size_t earlier = k; earlier-- > 0;) {
-    if (!remembered_[earlier].before) continue;
-    return seconds(remembered_[k].scan.time - remembered_[earlier].scan.time) >=
-           params_.max_lag / kStatesPerLag;
-  }
-  return true;
-}
-
-/// Drops the scans before the last kept state that is older than max_lag: nothing can be put before it any
-/// more.
-void LocalTracker::forgetOldScans() {
-  const Time oldest = state_.time - durationOf(params_.max_lag);
-  std::size_t keep_from = 0;
-  for (std::size_t k = 1; k < remembered_.size(); ++k) {
-    const bool too_many = remembered_.size() - keep_from > kMostRemembered;
-    if (remembered_[k].scan.time > oldest && !too_many) break;
-    if (remembered_[k].before) keep_from = k;
-  }
-  remembered_.erase(remembered_.begin(), remembered_.begin() + static_cast<std::ptrdiff_t>(keep_from));
+  memory_.forget(state_.time);
+  result.changes = newChanges();
 }
 
 /// One scan in order of time: the whole of tracking.
-std::vector<Association> LocalTracker::follow(const Scan& scan) {
+std::vector<Association> LocalTracker::follow(std::size_t k) {
+  const Scan& scan = memory_[k].scan;
+  memory_.use(k, state_.guard.noiseScale(scan.sensor));
   state_.time = scan.time;
   giveUpTheDead(scan.time);
-  const std::vector<Expectation> expectations = predict(scan.time);
-  Pairing pairing = associate(scan, expectations, params_.gate);
-  update(scan, expectations, pairing);
-  start(scan, pairing);
+  Look look = lookAt(scan, memory_[k].noise_scale);
+  if (params_.guard.enabled) {
+    state_.guard.watch(scan, look.expectations, look.pairing, look.vouching);
+    if (const auto change = state_.guard.judge(scan.time, scan.sensor)) {
+      note(*change);
+      const bool is_harmful = change->change.verdict != SensorVerdict::healthy && !change->undecided;
+      if (is_harmful) return followAgain(k, *change);
+    }
+  }
+  return settle(scan, memory_[k].noise_scale, look);
+}
+
+/// After an alarm at entry k: back to when the change began, and on from there with what is known now of the
+/// sensor. The others are watched anew, against tracks that it no longer harms; they are judged when their
+/// next scan comes.
+std::vector<Association> LocalTracker::followAgain(std::size_t k, const SensorChange& change) {
+  const SensorGuard seen = state_.guard;
+  std::vector<SensorChange> changes = state_.changes;
+  const Time earliest = memory_[k].scan.time - durationOf(params_.guard.roll_back);
+  const std::size_t from = memory_.rollBack(k, change.sensor, std::max(change.change.began, earliest),
+                                            seen.noiseScale(change.sensor));
+  const Time since = memory_[from].scan.time;
+  state_ = State(*memory_[from].before);
+  std::vector<Association> decisions;
+  for (std::size_t i = from; i <= k; ++i) {
+    memory_.keepAgain(i, state_);
+    const Scan& scan = memory_[i].scan;
+    state_.time = scan.time;
+    giveUpTheDead(scan.time);
+    Look look = lookAt(scan, memory_[i].noise_scale);
+    if (!seen.changedSince(scan.sensor, since))
+      state_.guard.watch(scan, look.expectations, look.pairing, look.vouching);
+    decisions = settle(scan, memory_[i].noise_scale, look);
+  }
+  state_.guard.adopt(seen, since);
+  state_.changes = std::move(changes);
+  return decisions;
+}
+
+void LocalTracker::note(const SensorChange& change) {
+  state_.changes.push_back(change);
+  keepTheLast(state_.changes);
+}
+
+/// Changes that have not been reported; a scan that comes late must not report them twice.
+std::vector<SensorChange> LocalTracker::newChanges() {
+  std::vector<SensorChange> fresh;
+  for (const SensorChange& change : state_.changes) {
+    const auto isIt = [&](const SensorChange& told) { return isSame(told, change); };
+    if (std::any_of(told_.begin(), told_.end(), isIt)) continue;
+    fresh.push_back(change);
+    told_.push_back(change);
+    keepTheLast(told_);
+  }
+  return fresh;
+}
+
+/// What the tracks expect of a scan, and who would take what.
+LocalTracker::Look LocalTracker::lookAt(const Scan& scan, double noise_scale) {
+  const bool is_scaled = noise_scale != 1.0 && std::isfinite(noise_scale);
+  Look look;
+  look.expectations = predict(scan.time);
+  look.pairing = associate(is_scaled ? withNoise(scan, noise_scale) : scan, look.expectations, params_.gate);
+  if (!params_.guard.enabled) return look;
+  look.vouching.reserve(state_.tracks.size());
+  for (const LiveTrack& track : state_.tracks)
+    look.vouching.push_back(track.vouchingFor(scan.sensor, scan.time, state_.guard));
+  return look;
+}
+
+/// The tracks take what is theirs, the rest may start new ones.
+std::vector<Association> LocalTracker::settle(const Scan& scan, double noise_scale, Look& look) {
+  const bool is_excluded = std::isinf(noise_scale);
+  if (is_excluded) leaveOut(scan, look);
+  const bool is_scaled = noise_scale != 1.0 && !is_excluded;
+  const Scan scaled = is_scaled ? withNoise(scan, noise_scale) : Scan{};
+  const Scan& used = is_scaled ? scaled : scan;
+  update(used, look, is_excluded);
+  start(used, look.pairing);
   giveUpTheDead(scan.time);
-  return std::move(pairing.decisions);
+  return std::move(look.pairing.decisions);
+}
+
+/// Takes the sightings of an excluded sensor away from the tracks that others see too. What may be the ghost
+/// of such a track starts no track of its own.
+void LocalTracker::leaveOut(const Scan& scan, Look& look) const {
+  for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
+    for (std::size_t i = 0; i < look.expectations.size(); ++i) {
+      const Vouching& vouching = look.vouching[i];
+      const bool is_yardstick = look.expectations[i].believed && vouching.others > 0;
+      if (!is_yardstick) continue;
+      const bool is_taken = look.pairing.sighting_of[i] == static_cast<int>(j);
+      const bool may_be_ghost = look.pairing.may_start[j] && vouching.knows_sensor &&
+                                state_.guard.isInReach(look.expectations[i], scan.sightings[j]);
+      if (!is_taken && !may_be_ghost) continue;
+      if (is_taken) look.pairing.sighting_of[i] = -1;
+      look.pairing.may_start[j] = false;
+      Association& decision = look.pairing.decisions[j];
+      decision.decision = Decision::rejected_input;
+      decision.track = look.expectations[i].id;
+      decision.reason = "sensor " + scan.sensor + " is excluded: biased";
+    }
+  }
 }
 
 std::vector<Expectation> LocalTracker::predict(Time time) {
@@ -205,17 +267,17 @@ std::vector<Expectation> LocalTracker::predict(Time time) {
   return expectations;
 }
 
-/// Tracks that were paired take their sighting, the others have missed.
-void LocalTracker::update(const Scan& scan, const std::vector<Expectation>& expectations,
-                          const Pairing& pairing) {
+/// Tracks that were paired take their sighting, the others have missed; where the sensor is left out it says
+/// nothing either way.
+void LocalTracker::update(const Scan& scan, const Look& look, bool is_excluded) {
   for (std::size_t i = 0; i < state_.tracks.size(); ++i) {
     LiveTrack& track = state_.tracks[i];
-    const int sighting = pairing.sighting_of[i];
-    if (sighting < 0) {
-      track.miss(scan, params_.lifecycle);
-    } else {
-      track.take(scan, scan.sightings[static_cast<std::size_t>(sighting)], expectations[i],
+    const int sighting = look.pairing.sighting_of[i];
+    if (sighting >= 0) {
+      track.take(scan, scan.sightings[static_cast<std::size_t>(sighting)], look.expectations[i],
                  params_.lifecycle);
+    } else if (!is_excluded || look.vouching[i].others == 0) {
+      track.miss(scan, params_.lifecycle);
     }
   }
 }

@@ -4,9 +4,14 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 namespace sightline::core {
 namespace {
+
+constexpr double kMostSigmas = 100.0;    // that an innovation may count for in a likelihood
+constexpr double kPriceOfBias = 1.0;     // log likelihood by which a bias, with a parameter more, must win
+constexpr double kSecondThoughts = 4.0;  // log likelihood that overturns a verdict
 
 const SensorHealthParams& checked(const SensorHealthParams& params, int channels) {
   const bool positive = params.noise_threshold > 0.0 && params.largest_evidence > 0.0 &&
@@ -25,68 +30,145 @@ const SensorHealthParams& checked(const SensorHealthParams& params, int channels
   return params;
 }
 
+PerChannel cut(const PerChannel& values, double most) {
+  return values.cwiseMax(-most).cwiseMin(most);
+}
+
+/// Log likelihood of what a sum has taken if the noise is the largest that explains it, less that of a bias
+/// which is. Both are up to the same constant.
+double noiseAgainstBias(const SensorHealth::CumulatedSum& sum) {
+  const auto channels = static_cast<double>(sum.squares.size());
+  const double numbers = channels * sum.sightings;
+  const double variance = std::max(1.0, sum.squares.sum() / numbers);
+  const double noise = -0.5 * (numbers * std::log(variance) + sum.squares.sum() / variance);
+  const double bias = -0.5 * (sum.squares - sum.u.square() / sum.sightings).sum();
+  return noise - bias;
+}
+
 }  // namespace
 
-void SensorHealth::CumulatedSum::add(double evidence, Time time) {
-  if (value == 0.0) began = time;
+void SensorHealth::CumulatedSum::add(double evidence, Time time, const PerChannel& u_now, double ratio_now) {
+  if (value == 0.0) {
+    began = time;
+    sightings = ratio = 0.0;
+    u = squares = PerChannel::Zero(u_now.size());
+  }
   value = std::max(0.0, value + evidence);
+  note(u_now, ratio_now);
+}
+
+void SensorHealth::CumulatedSum::note(const PerChannel& u_now, double ratio_now) {
+  sightings += 1.0;
+  u += u_now;
+  squares += u_now.square();
+  ratio += ratio_now;
+}
+
+void SensorHealth::CumulatedSum::forget(double share) {
+  sightings *= 1.0 - share;
+  u *= 1.0 - share;
+  squares *= 1.0 - share;
+  ratio *= 1.0 - share;
 }
 
 SensorHealth::SensorHealth(const SensorHealthParams& params, Time since, int channels)
-    : params_(checked(params, channels)), last_(since), mean_(PerChannel::Zero(channels)) {}
+    : params_(checked(params, channels)),
+      mean_(PerChannel::Zero(channels)),
+      last_(since),
+      mean_before_(mean_),
+      u_sum_(mean_) {}
+
+void SensorHealth::forget(Time time) {
+  *this = SensorHealth(params_, time, static_cast<int>(mean_.size()));
+}
+
+void SensorHealth::take(Time time, const Innovation& innovation) {
+  const PerChannel u = cut(innovation.nu / (innovation.predicted + innovation.stated).sqrt(), kMostSigmas);
+  const double ratio = ((innovation.nu.square() - innovation.predicted) / innovation.stated)
+                           .cwiseMax(0.0)
+                           .cwiseMin(params_.largest_scale)
+                           .mean();
+  if (verdict_ == SensorVerdict::healthy) cumulate(time, innovation, u, ratio);
+  average(time, cut(u, params_.largest_innovation), ratio);
+  if (verdict_ != SensorVerdict::healthy) since_change_.note(u, ratio);
+}
 
 std::optional<HealthChange> SensorHealth::add(Time time, const Innovation& innovation) {
-  const PerChannel u = (innovation.nu / (innovation.predicted + innovation.stated).sqrt())
-                           .cwiseMax(-params_.largest_innovation)
-                           .cwiseMin(params_.largest_innovation);
-  if (verdict_ == SensorVerdict::healthy) cumulate(time, innovation, u);
-  average(time, innovation, u);
+  take(time, innovation);
   return judge(time);
 }
 
 /// The sums of section 5.1: one for the variance over both channels, two for the mean of each.
-void SensorHealth::cumulate(Time time, const Innovation& innovation, const PerChannel& u) {
+void SensorHealth::cumulate(Time time, const Innovation& innovation, const PerChannel& u, double ratio) {
   const PerChannel expected = innovation.predicted + innovation.stated;
   const PerChannel grown = innovation.predicted + params_.noise_ratio * innovation.stated;
   const PerChannel evidence =
       0.5 * (innovation.nu.square() * (1.0 / expected - 1.0 / grown) + (expected / grown).log());
-  noise_.add(evidence.cwiseMin(params_.largest_evidence).sum(), time);
-  for (int channel = 0; channel < u.size(); ++channel) {
-    above_[channel].add(u(channel) - params_.bias_slack, time);
-    below_[channel].add(-u(channel) - params_.bias_slack, time);
+  noise_.add(evidence.cwiseMin(params_.largest_evidence).sum(), time, u, ratio);
+  const PerChannel side = cut(u, params_.largest_innovation);
+  for (int channel = 0; channel < side.size(); ++channel) {
+    above_[channel].add(side(channel) - params_.bias_slack, time, u, ratio);
+    below_[channel].add(-side(channel) - params_.bias_slack, time, u, ratio);
   }
 }
 
-/// The sizes: v and m of section 5.1.
-void SensorHealth::average(Time time, const Innovation& innovation, const PerChannel& u) {
-  const double share = -std::expm1(-seconds(time - last_) / params_.memory);
-  const PerChannel ratio = ((innovation.nu.square() - innovation.predicted) / innovation.stated)
-                               .cwiseMax(0.0)
-                               .cwiseMin(params_.largest_scale);
-  scale_ += share * (ratio.mean() - scale_);
-  mean_ += share * (u - mean_);
-  last_ = time;
+/// The sizes, v and m of section 5.1; an instant counts as one however many innovations it brings.
+void SensorHealth::average(Time time, const PerChannel& u, double ratio) {
+  if (time != last_ || innovations_ == 0) {
+    share_ = -std::expm1(-seconds(time - last_) / params_.memory);
+    scale_before_ = scale_;
+    mean_before_ = mean_;
+    innovations_ = 0;
+    ratio_sum_ = 0.0;
+    u_sum_.setZero();
+    last_ = time;
+    if (verdict_ != SensorVerdict::healthy) since_change_.forget(share_);
+  }
+  ++innovations_;
+  ratio_sum_ += ratio;
+  u_sum_ += u;
+  scale_ = scale_before_ + share_ * (ratio_sum_ / innovations_ - scale_before_);
+  mean_ = mean_before_ + share_ * (u_sum_ / innovations_ - mean_before_);
 }
 
 std::optional<HealthChange> SensorHealth::judge(Time time) {
   if (verdict_ == SensorVerdict::healthy) return alarm(time);
-  if (!hasRecovered(time)) return std::nullopt;
-  return change(time, time, SensorVerdict::healthy);
+  if (hasRecovered(time)) return change(time, time, SensorVerdict::healthy);
+  if (params_.form == HealthForm::refined) return secondThought(time);
+  return std::nullopt;
 }
 
-std::optional<HealthChange> SensorHealth::alarm(Time time) {
-  if (noise_.value > params_.noise_threshold) {
-    scale_ = std::max(scale_, params_.least_scale);
-    return change(time, noise_.began, SensorVerdict::noisy);
-  }
+const SensorHealth::CumulatedSum& SensorHealth::largestBiasSum() const {
   const CumulatedSum* largest = &above_[0];
   for (const auto* sums : {&above_, &below_}) {
     for (const CumulatedSum& sum : *sums) {
       if (sum.value > largest->value) largest = &sum;
     }
   }
-  if (largest->value > params_.bias_threshold) return change(time, largest->began, SensorVerdict::biased);
-  return std::nullopt;
+  return *largest;
+}
+
+std::optional<HealthChange> SensorHealth::alarm(Time time) {
+  const CumulatedSum& bias = largestBiasSum();
+  const bool noise_alarms = noise_.value > params_.noise_threshold;
+  if (!noise_alarms && !(bias.value > params_.bias_threshold)) return std::nullopt;
+  since_change_ = noise_alarms ? noise_ : bias;
+  bool is_noise = noise_alarms;
+  if (params_.form == HealthForm::refined) {
+    is_noise = noiseAgainstBias(since_change_) > -kPriceOfBias;
+    scale_ = since_change_.ratio / since_change_.sightings;
+  }
+  if (is_noise) scale_ = std::max(scale_, params_.least_scale);
+  return change(time, since_change_.began, is_noise ? SensorVerdict::noisy : SensorVerdict::biased);
+}
+
+/// A sensor that turned out to be the other kind of harm: said with the time at which it began.
+std::optional<HealthChange> SensorHealth::secondThought(Time time) {
+  scale_ = since_change_.ratio / since_change_.sightings;
+  const double noise_lead = noiseAgainstBias(since_change_);
+  const bool was_noise = verdict_ == SensorVerdict::noisy;
+  if (was_noise ? noise_lead > -kSecondThoughts : noise_lead < kSecondThoughts) return std::nullopt;
+  return change(time, last_change_->began, was_noise ? SensorVerdict::biased : SensorVerdict::noisy);
 }
 
 bool SensorHealth::hasRecovered(Time time) const {
@@ -99,6 +181,7 @@ bool SensorHealth::hasRecovered(Time time) const {
 HealthChange SensorHealth::change(Time time, Time began, SensorVerdict verdict) {
   noise_ = {};
   above_ = below_ = {};
+  innovations_ = 0;
   verdict_ = verdict;
   HealthChange change;
   change.time = time;
@@ -106,6 +189,8 @@ HealthChange SensorHealth::change(Time time, Time began, SensorVerdict verdict) 
   change.verdict = verdict;
   change.scale = scale_;
   change.bias = mean_;
+  const bool has_size = verdict != SensorVerdict::healthy && params_.form == HealthForm::refined;
+  if (has_size) change.bias = since_change_.u / since_change_.sightings;
   last_change_ = change;
   return change;
 }

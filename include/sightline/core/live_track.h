@@ -9,6 +9,7 @@
 #include "sightline/core/chart.h"
 #include "sightline/core/estimator.h"
 #include "sightline/core/gate.h"
+#include "sightline/core/sensor_guard.h"
 #include "sightline/core/sighting.h"
 #include "sightline/core/track.h"
 
@@ -56,6 +57,9 @@ class LiveTrack {
 
   /// Counts a scan in which the target was not seen, if its sensor is one that sees the target.
   void miss(const Scan& scan, const LifecycleParams& lifecycle);
+
+  /// How far the track can be a yardstick for a sensor at `time`.
+  Vouching vouchingFor(const std::string& sensor, Time time, const SensorGuard& guard) const;
 
   /// Whether the track is to be given up at `time`; otherwise its status is brought up to date.
   bool isDead(Time time, const LifecycleParams& lifecycle, bool adapt_gate);

@@ -2,8 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,6 +9,8 @@
 #include "sightline/core/estimators.h"
 #include "sightline/core/gate.h"
 #include "sightline/core/live_track.h"
+#include "sightline/core/scan_memory.h"
+#include "sightline/core/sensor_guard.h"
 #include "sightline/core/sighting.h"
 #include "sightline/core/track.h"
 
@@ -21,6 +21,7 @@ struct LocalTrackerParams {
   GateParams gate;
   bool adapt_gate = true;  ///< enlarge S by the innovations seen, where they are larger than S explains
   LifecycleParams lifecycle;
+  GuardParams guard;
   double max_lag = 0.5;  ///< scans up to this much older than the newest are put in their place [s], >= 0
   int max_tracks = 500;  ///< no track is started beyond, >= 1
   int max_sightings = 10000;  ///< of one scan; the rest is rejected, >= 1
@@ -32,6 +33,7 @@ struct ScanReport {
   std::vector<Track> tracks;              ///< ascending id, in the tracking frame, valid at `time`
   std::vector<Association> associations;  ///< one for each sighting of this scan, in its order
   double noise_scale = 1.0;               ///< factor on the variances with which the sightings were used
+  std::vector<SensorChange> changes;      ///< of sensors' verdicts, that had not been said before
   std::string dropped;                    ///< why the scan was not used (late, duplicate); empty if it was
   std::string notice;  ///< what else an operator must know (the clock went back); mostly empty
 };
@@ -40,6 +42,10 @@ struct ScanReport {
 /// order within `max_lag`: for a late one the tracker goes back and tracks again from there, so that the
 /// state after it is the same as in order, to the last bit. Ids of tracks that had been started after the
 /// late scan may be given anew by this.
+///
+/// Where several sensors see a target, each is watched against the others (SensorGuard): one whose noise
+/// grows is used with that noise, one that is biased is not used until it has recovered, and the tracker goes
+/// back to when the change began. With one sensor nothing can be told, and nothing is done.
 class LocalTracker {
  public:
   explicit LocalTracker(const LocalTrackerParams& params);
@@ -49,38 +55,49 @@ class LocalTracker {
   /// started again): the tracks are given up, said in `notice`, and tracking goes on at the new time.
   ScanReport onScan(const Scan& scan);
 
+  /// What is thought of each sensor that has been compared with others, by name.
+  std::vector<WatchedSensor> sensors() const { return state_.guard.sensors(); }
+
  private:
   /// Everything that a scan changes.
   struct State {
     Time time{};
     std::uint32_t next_id = 1;
     std::vector<LiveTrack> tracks;  // ascending id
+    SensorGuard guard;
+    std::vector<SensorChange> changes;  // the last ones
   };
 
-  /// A scan before which another may still have to be put, and now and then the state before it.
-  struct Remembered {
-    Scan scan;
-    std::unique_ptr<State> before;
+  /// A scan beside what the tracks expected of it.
+  struct Look {
+    std::vector<Expectation> expectations;
+    Pairing pairing;
+    std::vector<Vouching> vouching;  // for each expectation; empty while the guard is off
   };
 
   std::string refusalOf(const Scan& scan) const;
   bool clockWentBack(const Scan& scan);
   void startAnew(Time time);
 
-  std::vector<Association> putInPlace(const Scan& scan);
-  std::vector<Association> follow(const Scan& scan);
-  bool isStateDue(std::size_t k) const;
-  void forgetOldScans();
+  void putInPlace(const Scan& scan, ScanReport& result);
+  std::vector<Association> follow(std::size_t k);
+  std::vector<Association> followAgain(std::size_t k, const SensorChange& change);
+  void note(const SensorChange& change);
+  std::vector<SensorChange> newChanges();
 
+  Look lookAt(const Scan& scan, double noise_scale);
+  std::vector<Association> settle(const Scan& scan, double noise_scale, Look& look);
+  void leaveOut(const Scan& scan, Look& look) const;
   std::vector<Expectation> predict(Time time);
-  void update(const Scan& scan, const std::vector<Expectation>& expectations, const Pairing& pairing);
+  void update(const Scan& scan, const Look& look, bool is_excluded);
   void start(const Scan& scan, Pairing& pairing);
   void giveUpTheDead(Time time);
   std::vector<Track> report() const;
 
   LocalTrackerParams params_;
   State state_;
-  std::deque<Remembered> remembered_;  // in order of time; the first one has its state
+  ScanMemory<State> memory_;
+  std::vector<SensorChange> told_;  // the last changes that were reported
   int late_in_a_row_ = 0;
 };
 

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/core/association.h"
+#include "sightline/core/sensor_health.h"
+#include "sightline/core/sighting.h"
+#include "sightline/core/time.h"
+
+namespace sightline::core {
+
+/// The guard against sensors that harm (section 5.1), over all sensors of a tracker.
+struct GuardParams {
+  bool enabled = true;
+  SensorHealthParams health;
+  double roll_back = 1.5;  ///< how far back after an alarm a sensor's scans are followed again [s], >= 0
+  double support = 2.5;    ///< silence after which a sensor no longer vouches for a track [s], > 0
+  double reach = 100.0;    ///< distance from a track up to which a stray sighting may be its own [sigma], > 0
+};
+
+/// What the guard thinks of one sensor.
+struct WatchedSensor {
+  std::string sensor;
+  SensorVerdict verdict = SensorVerdict::healthy;
+  bool undecided =
+      false;  ///< only one other sensor sees its targets: either may be to blame, nothing is done
+  double noise_scale = 1.0;          ///< factor on the stated variances; infinity = not used
+  std::optional<HealthChange> last;  ///< the last change of the verdict
+};
+
+/// A change of a sensor's verdict.
+struct SensorChange {
+  std::string sensor;
+  HealthChange change;
+  bool undecided = false;
+};
+
+/// How far a track can be a yardstick for a sensor.
+struct Vouching {
+  bool knows_sensor = false;  ///< the sensor has given it sightings
+  int others = 0;             ///< further sensors that gave it sightings lately and are in use
+};
+
+/// Watches the sensors of one tracker. Plain state: it is copied with the tracker's state and goes back in
+/// time with it.
+class SensorGuard {
+ public:
+  /// Throws std::invalid_argument for parameters out of range.
+  explicit SensorGuard(const GuardParams& params);
+
+  /// Factor on the stated variances of a sensor's sightings: 1 while it is healthy, infinity while they are
+  /// not to be used.
+  double noiseScale(const std::string& sensor) const;
+
+  bool isExcluded(const std::string& sensor) const { return std::isinf(noiseScale(sensor)); }
+
+  /// Whether a sensor that has been silent for so long [s] can still be held against others.
+  bool mayVouch(const std::string& sensor, double silence) const {
+    return silence <= params_.support && !isExcluded(sensor);
+  }
+
+  /// Whether a sighting may be one of the track's although it is outside the gate.
+  bool isInReach(const Expectation& expectation, const Sighting& sighting) const;
+
+  /// Takes a scan against what the tracks expected; `vouching` for each expectation. Nothing is judged yet.
+  void watch(const Scan& scan, const std::vector<Expectation>& expectations, const Pairing& pairing,
+             const std::vector<Vouching>& vouching);
+
+  /// Says when what the sensor's scans told up to `time` changes its verdict.
+  std::optional<SensorChange> judge(Time time, const std::string& sensor);
+
+  /// Takes over from `later` what it knows of the sensors whose verdict changed at or after `since`, and of
+  /// those it alone knows.
+  void adopt(const SensorGuard& later, Time since);
+
+  /// Whether the verdict of the sensor changed at or after `since`.
+  bool changedSince(const std::string& sensor, Time since) const;
+
+  std::vector<WatchedSensor> sensors() const;
+
+ private:
+  struct Watch {
+    std::string sensor;
+    SensorHealth health;
+    bool decides = false;    // whether there were others enough to tell who is to blame, at the last scan
+    bool undecided = false;  // the present verdict
+    double clutter = 0.0;    // mean number of stray sightings in reach of a track that has its own
+  };
+
+  std::size_t placeOf(const std::string& sensor) const;
+  const Watch* find(const std::string& sensor) const;
+  Watch* findOrStart(const std::string& sensor, Time time);
+
+  GuardParams params_;
+  std::vector<Watch> watches_;  // by name
+};
+
+}  // namespace sightline::core

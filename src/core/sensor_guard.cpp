@@ -1,0 +1,177 @@
+#include "sightline/core/sensor_guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace sightline::core {
+namespace {
+
+constexpr std::size_t kMostSensors = 64;  // that are watched
+constexpr std::size_t kMostStray = 32;    // stray sightings in a scan beyond which they tell nothing
+constexpr double kClutterMemory = 0.02;   // share of the newest scan in the mean number of stray sightings
+constexpr double kMostFalse = 0.05;       // false sightings expected nearer than a stray one that counts
+constexpr int kOthersThatDecide = 2;      // with one other sensor, either may be to blame
+
+Innovation innovationOf(const Expectation& expectation, const Sighting& sighting) {
+  Innovation innovation;
+  innovation.nu =
+      angleDifference(expectation.chart.coordinatesOf(sighting.direction), expectation.prediction.angles());
+  innovation.predicted = expectation.prediction.anglesCovariance().diagonal();
+  innovation.stated = expectation.chart.covarianceOf(sighting).diagonal();
+  return innovation;
+}
+
+double distanceSquared(const Innovation& innovation) {
+  return (innovation.nu.square() / (innovation.predicted + innovation.stated)).sum();
+}
+
+/// Sightings that no believed track has taken.
+std::vector<std::size_t> strayOf(const Scan& scan, const std::vector<Expectation>& expectations,
+                                 const Pairing& pairing) {
+  std::vector<std::size_t> stray;
+  for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
+    const int taker = pairing.expectation_of[j];
+    if (taker < 0 || !expectations[static_cast<std::size_t>(taker)].believed) stray.push_back(j);
+  }
+  return stray;
+}
+
+/// The nearest stray sighting in reach of a track, and how many there are.
+struct Nearby {
+  int count = 0;
+  double distance_squared = 0.0;
+  std::optional<Innovation> nearest;
+};
+
+Nearby nearbyOf(const Scan& scan, const std::vector<std::size_t>& stray, const Expectation& expectation,
+                double reach) {
+  Nearby nearby;
+  nearby.distance_squared = reach * reach;
+  for (const std::size_t j : stray) {
+    Innovation innovation = innovationOf(expectation, scan.sightings[j]);
+    const double distance = distanceSquared(innovation);
+    if (distance > reach * reach) continue;
+    ++nearby.count;
+    if (distance > nearby.distance_squared) continue;
+    nearby.distance_squared = distance;
+    nearby.nearest = std::move(innovation);
+  }
+  return nearby;
+}
+
+}  // namespace
+
+SensorGuard::SensorGuard(const GuardParams& params) : params_(params) {
+  if (!(params.roll_back >= 0.0) || !(params.support > 0.0) || !(params.reach > 0.0)) {
+    throw std::invalid_argument("GuardParams: roll_back >= 0 s, support > 0 s and reach > 0 are required");
+  }
+  SensorHealth(params.health, Time{});  // refuses what cannot work
+}
+
+std::size_t SensorGuard::placeOf(const std::string& sensor) const {
+  std::size_t place = 0;
+  while (place < watches_.size() && watches_[place].sensor < sensor) ++place;
+  return place;
+}
+
+const SensorGuard::Watch* SensorGuard::find(const std::string& sensor) const {
+  const std::size_t place = placeOf(sensor);
+  return place < watches_.size() && watches_[place].sensor == sensor ? &watches_[place] : nullptr;
+}
+
+SensorGuard::Watch* SensorGuard::findOrStart(const std::string& sensor, Time time) {
+  const std::size_t place = placeOf(sensor);
+  if (place < watches_.size() && watches_[place].sensor == sensor) return &watches_[place];
+  if (watches_.size() >= kMostSensors) return nullptr;
+  return &*watches_.insert(watches_.begin() + static_cast<std::ptrdiff_t>(place),
+                           Watch{sensor, SensorHealth(params_.health, time)});
+}
+
+double SensorGuard::noiseScale(const std::string& sensor) const {
+  const Watch* watch = find(sensor);
+  return watch == nullptr || watch->undecided ? 1.0 : watch->health.noiseScale();
+}
+
+bool SensorGuard::isInReach(const Expectation& expectation, const Sighting& sighting) const {
+  return distanceSquared(innovationOf(expectation, sighting)) <= params_.reach * params_.reach;
+}
+
+/// A sighting outside every gate may be the target's all the same: when the track has none of this scan, the
+/// nearest stray one speaks for its sensor, as far as the sensor's false sightings are too few to explain it.
+void SensorGuard::watch(const Scan& scan, const std::vector<Expectation>& expectations,
+                        const Pairing& pairing, const std::vector<Vouching>& vouching) {
+  Watch* watch = nullptr;
+  std::vector<std::size_t> stray;
+  int most_others = 0;
+  for (std::size_t i = 0; i < expectations.size(); ++i) {
+    if (!expectations[i].believed || !vouching[i].knows_sensor || vouching[i].others < 1) continue;
+    if (watch == nullptr) {
+      watch = findOrStart(scan.sensor, scan.time);
+      if (watch == nullptr) return;
+      stray = strayOf(scan, expectations, pairing);
+      if (stray.size() > kMostStray) stray.clear();
+    }
+    const Nearby nearby = nearbyOf(scan, stray, expectations[i], params_.reach);
+    const int own = pairing.sighting_of[i];
+    if (own >= 0) {
+      watch->clutter += kClutterMemory * (nearby.count - watch->clutter);
+      watch->health.take(scan.time,
+                         innovationOf(expectations[i], scan.sightings[static_cast<std::size_t>(own)]));
+    } else if (nearby.nearest) {
+      const double expected_false =
+          watch->clutter * nearby.distance_squared / (params_.reach * params_.reach);
+      if (expected_false > kMostFalse) continue;
+      watch->health.take(scan.time, *nearby.nearest);
+    } else {
+      continue;
+    }
+    most_others = std::max(most_others, vouching[i].others);
+  }
+  if (most_others == 0) return;
+  watch->decides = most_others >= kOthersThatDecide;
+  if (watch->decides && watch->undecided) {
+    watch->health.forget(scan.time);
+    watch->undecided = false;
+  }
+}
+
+std::optional<SensorChange> SensorGuard::judge(Time time, const std::string& sensor) {
+  if (find(sensor) == nullptr) return std::nullopt;
+  Watch& watch = watches_[placeOf(sensor)];
+  const bool was_healthy = watch.health.verdict() == SensorVerdict::healthy;
+  const auto change = watch.health.judge(time);
+  if (!change) return std::nullopt;
+  if (was_healthy) watch.undecided = !watch.decides;
+  const SensorChange said{sensor, *change, watch.undecided};
+  if (change->verdict == SensorVerdict::healthy) watch.undecided = false;
+  return said;
+}
+
+bool SensorGuard::changedSince(const std::string& sensor, Time since) const {
+  const Watch* watch = find(sensor);
+  return watch != nullptr && watch->health.lastChange() && watch->health.lastChange()->time >= since;
+}
+
+void SensorGuard::adopt(const SensorGuard& later, Time since) {
+  for (const Watch& watch : later.watches_) {
+    const std::size_t place = placeOf(watch.sensor);
+    if (place == watches_.size() || watches_[place].sensor != watch.sensor) {
+      watches_.insert(watches_.begin() + static_cast<std::ptrdiff_t>(place), watch);
+    } else if (later.changedSince(watch.sensor, since)) {
+      watches_[place] = watch;
+    }
+  }
+}
+
+std::vector<WatchedSensor> SensorGuard::sensors() const {
+  std::vector<WatchedSensor> sensors;
+  for (const Watch& watch : watches_) {
+    sensors.push_back({watch.sensor, watch.health.verdict(), watch.undecided, noiseScale(watch.sensor),
+                       watch.health.lastChange()});
+  }
+  return sensors;
+}
+
+}  // namespace sightline::core
