@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::size_t kMostSensors = 64;  // that are watched
 constexpr std::size_t kMostStray = 32;    // stray sightings in a scan beyond which they tell nothing
-constexpr double kClutterMemory = 0.02;   // share of the newest scan in the mean number of stray sightings
-constexpr double kMostFalse = 0.05;       // false sightings expected nearer than a stray one that counts
+constexpr int kClutterMemory = 50;        // scans over which the number of stray sightings is smoothed
+constexpr double kMostFalse = 0.005;      // false sightings expected nearer than a stray one that counts
 constexpr int kOthersThatDecide = 2;      // with one other sensor, either may be to blame
 
 Innovation innovationOf(const Expectation& expectation, const Sighting& sighting) {
@@ -116,12 +116,13 @@ void SensorGuard::watch(const Scan& scan, const std::vector<Expectation>& expect
     const Nearby nearby = nearbyOf(scan, stray, expectations[i], params_.reach);
     const int own = pairing.sighting_of[i];
     if (own >= 0) {
-      watch->clutter += kClutterMemory * (nearby.count - watch->clutter);
+      watch->scans = std::min(watch->scans + 1, kClutterMemory);
+      watch->clutter += (nearby.count - watch->clutter) / watch->scans;
       watch->health.take(scan.time,
                          innovationOf(expectations[i], scan.sightings[static_cast<std::size_t>(own)]));
     } else if (nearby.nearest) {
-      const double expected_false =
-          watch->clutter * nearby.distance_squared / (params_.reach * params_.reach);
+      const double in_reach = (watch->clutter * watch->scans + 0.5) / (watch->scans + 1);
+      const double expected_false = in_reach * nearby.distance_squared / (params_.reach * params_.reach);
       if (expected_false > kMostFalse) continue;
       watch->health.take(scan.time, *nearby.nearest);
     } else {

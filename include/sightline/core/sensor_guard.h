@@ -89,6 +89,7 @@ class SensorGuard {
     bool decides = false;    // whether there were others enough to tell who is to blame, at the last scan
     bool undecided = false;  // the present verdict
     double clutter = 0.0;    // mean number of stray sightings in reach of a track that has its own
+    int scans = 0;           // of which that is the mean
   };
 
   std::size_t placeOf(const std::string& sensor) const;
