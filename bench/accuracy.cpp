@@ -34,7 +34,8 @@ constexpr Table kTables[] = {{"paper", printPaper},
                              {"scale", printScale},
                              {"recordings", printRecordings},
                              {"consistency", printConsistency},
-                             {"degraded", printDegraded}};
+                             {"degraded", printDegraded},
+                             {"beats-best", printBeatsBest}};
 
 int numberOf(const std::string& option, const std::string& text, int least) {
   std::size_t used = 0;

@@ -273,10 +273,12 @@ Stream simulate(const Scenario& scenario, const Sensors& sensors, int run) {
   RandomStream motion(core::seedOf(seed, "motion"));
   const Trajectory trajectory = scenario.motion(motion);
   Stream stream;
+  std::vector<int> ticks;
   for (std::size_t sensor = 0; sensor < sensors.sigmas.size(); ++sensor) {
     RandomStream random(core::seedOf(seed, "sensor " + std::to_string(sensor)));
+    if (sensor == 0 || !sensors.synchronous) ticks = sightingTicks(random);
     int number = 0;
-    for (const int tick : sightingTicks(random)) {
+    for (const int tick : ticks) {
       stream.push_back(sighted(scenario, trajectory[static_cast<std::size_t>(tick)], tick,
                                sensors.sigmas[sensor], sensors.scale, number++ >= 3, random));
       stream.back().sensor = static_cast<int>(sensor);

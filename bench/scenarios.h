@@ -57,6 +57,7 @@ using Stream = std::vector<Instant>;
 struct Sensors {
   std::vector<double> sigmas;  ///< of both channels, for amplitude 1 [rad]; one for each sensor
   double scale = 1.0;          ///< factor on every angle
+  bool synchronous = false;    ///< all sight at the same times; otherwise each at its own
 };
 
 /// Three acquisition and three tracking sensors, each with its own sighting sequence.

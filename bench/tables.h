@@ -30,5 +30,6 @@ void printScale(const Options& options);        ///< the same at every angular s
 void printRecordings(const Options& options);   ///< recorded sightings, section 8
 void printConsistency(const Options& options);  ///< ANEES of what is published
 void printDegraded(const Options& options);     ///< one of six sensors degrades unannounced: the guard
+void printBeatsBest(const Options& options);    ///< fused tracks against the best local one
 
 }  // namespace sightline::bench
