@@ -1,0 +1,28 @@
+#pragma once
+
+#include <set>
+#include <string>
+
+#include <ros/node_handle.h>
+#include <ros/wall_timer.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+
+namespace sightline_ros {
+
+/// Tells /tf_static of the boresight frames (x forward, y left, z up) that belong to cameras' optical frames.
+class BoresightBroadcaster {
+ public:
+  explicit BoresightBroadcaster(ros::NodeHandle nh);
+
+  /// From now on `<optical_frame>_boresight` is there.
+  void add(const std::string& optical_frame);
+
+ private:
+  void broadcast();
+
+  std::set<std::string> optical_frames_;
+  tf2_ros::StaticTransformBroadcaster static_transforms_;
+  ros::WallTimer repetition_;
+};
+
+}  // namespace sightline_ros
