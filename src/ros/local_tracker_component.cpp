@@ -90,6 +90,7 @@ TrackerReport LocalTrackerComponent::track(FramedScan& framed) {
     report.drop_reason = kindOf(tracked.dropped);
     report.drop_detail = tracked.dropped;
     report.notice = tracked.notice;
+    report.changes = std::move(tracked.changes);
     if (tracked.dropped.empty()) report.tracks = trackArray(tracked);
     associations = std::move(tracked.associations);
   } else {

@@ -6,6 +6,7 @@
 #include <diagnostic_msgs/DiagnosticStatus.h>
 
 #include "sightline/ros/conversions.h"
+#include "sightline/ros/sensor_words.h"
 
 namespace sightline_ros {
 
@@ -75,9 +76,34 @@ std::optional<std::string> LocalTrackerHealth::warningAbout(const TrackerReport&
   return warning.str();
 }
 
+std::vector<std::string> LocalTrackerHealth::sensorLines(const TrackerReport& report, core::Time now) {
+  std::vector<std::string> lines;
+  for (const core::SensorChange& change : report.changes) {
+    Counted& counted = changes_[change.sensor];
+    ++counted.count;
+    const bool is_soon = counted.last_warning && now >= *counted.last_warning &&
+                         core::seconds(now - *counted.last_warning) < kSecondsBetweenWarnings;
+    const bool is_recovery = change.change.verdict == core::SensorVerdict::healthy;
+    if (is_soon && !is_recovery) continue;
+    const std::uint64_t held_back = counted.count - counted.count_warned - 1;
+    lines.push_back(wordsOf(change) +
+                    (held_back > 0 ? " (" + std::to_string(held_back) + " changes before not shown)" : ""));
+    counted.last_warning = now;
+    counted.count_warned = counted.count;
+  }
+  return lines;
+}
+
 void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
-                                  diagnostic_updater::DiagnosticStatusWrapper& status) {
+                                  diagnostic_updater::DiagnosticStatusWrapper& status,
+                                  const std::vector<core::WatchedSensor>& watched) {
   summarize(now, status);
+  for (const core::WatchedSensor& sensor : watched) {
+    const std::string words = wordsOf(sensor);
+    status.add("guard of " + sensor.sensor, words);
+    if (sensor.verdict != core::SensorVerdict::healthy)
+      status.mergeSummary(DiagnosticStatus::WARN, sensor.sensor + " " + words);
+  }
   status.add("tracks confirmed", tracks_[sightline::Track::CONFIRMED]);
   status.add("tracks coasting", tracks_[sightline::Track::COASTING]);
   status.add("tracks tentative", tracks_[sightline::Track::TENTATIVE]);

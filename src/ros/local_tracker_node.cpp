@@ -78,13 +78,15 @@ void LocalTrackerNode::publish(const std::vector<TrackerReport>& reports) {
 
 void LocalTrackerNode::warnOf(const TrackerReport& report) {
   if (!report.notice.empty()) ROS_WARN_STREAM(component_.name() << ": " << report.notice);
+  for (const std::string& line : health_.sensorLines(report, clockNow()))
+    ROS_WARN_STREAM(component_.name() << ": " << line);
   if (const auto warning = health_.warningAbout(report, clockNow())) {
     ROS_WARN_STREAM(component_.name() << ": " << *warning);
   }
 }
 
 void LocalTrackerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  health_.diagnose(clockNow(), component_.waiting(), status);
+  health_.diagnose(clockNow(), component_.waiting(), status, component_.sensors());
 }
 
 }  // namespace sightline_ros

@@ -24,6 +24,7 @@ const Names kAnchors = {"fit", "raw"};
 const Names kTwblsCovariances = {"residual", "sandwich", "fit_error"};
 const Names kForms = {"paper", "consistent"};
 const Names kResponses = {"straight", "harmonic", "fixed_harmonic"};
+const Names kHealthForms = {"specified", "refined"};
 const Names kNogaCovariances = {"residual", "printed"};
 
 template <typename Enum>
@@ -118,6 +119,33 @@ core::LifecycleParams loadLifecycleParams(const ParamReader& reader, core::Lifec
   return params;
 }
 
+core::SensorHealthParams loadSensorHealthParams(const ParamReader& reader, core::SensorHealthParams params) {
+  params.form = chosen(reader, "form", params.form, kHealthForms);
+  params.noise_threshold = reader.number("noise_threshold", params.noise_threshold, above(0.0));
+  params.noise_ratio = reader.number("noise_ratio", params.noise_ratio, above(1.0));
+  params.largest_evidence = reader.number("largest_evidence", params.largest_evidence, above(0.0));
+  params.bias_threshold = reader.number("bias_threshold", params.bias_threshold, above(0.0), "sigma");
+  params.bias_slack = reader.number("bias_slack", params.bias_slack, above(0.0), "sigma");
+  params.largest_innovation =
+      reader.number("largest_innovation", params.largest_innovation, above(0.0), "sigma");
+  params.memory = reader.number("memory", params.memory, above(0.0), "s");
+  params.largest_scale = reader.number("largest_scale", params.largest_scale, above(1.0));
+  params.least_scale = reader.number("least_scale", params.least_scale, atLeast(1.0));
+  params.noise_release = reader.number("noise_release", params.noise_release, above(1.0));
+  params.bias_release = reader.number("bias_release", params.bias_release, above(0.0), "sigma");
+  params.least_exclusion = reader.number("least_exclusion", params.least_exclusion, atLeast(0.0), "s");
+  return params;
+}
+
+core::GuardParams loadGuardParams(const ParamReader& reader, core::GuardParams params) {
+  params.enabled = reader.flag("enabled", params.enabled);
+  params.roll_back = reader.number("roll_back", params.roll_back, atLeast(0.0), "s");
+  params.support = reader.number("support", params.support, above(0.0), "s");
+  params.reach = reader.number("reach", params.reach, above(0.0), "sigma");
+  params.health = loadSensorHealthParams(reader, params.health);
+  return params;
+}
+
 core::TwblsParams loadTwblsParams(const ParamReader& reader, core::TwblsParams params) {
   params.window = reader.number("window", params.window, above(0.0), "s");
   params.max_sightings = reader.integer("max_sightings", params.max_sightings, 3, 100000);
@@ -195,6 +223,7 @@ core::LocalTrackerParams loadLocalTrackerParams(const ParamReader& reader, core:
   params.estimator = loadEstimatorParams(reader, params.estimator);
   params.gate = loadGateParams(reader.sub("gate"), params.gate);
   params.lifecycle = loadLifecycleParams(reader.sub("lifecycle"), params.lifecycle);
+  params.guard = loadGuardParams(reader.sub("guard"), params.guard);
   params.adapt_gate = reader.flag("adapt_gate", params.adapt_gate);
   params.max_lag = reader.number("max_lag", params.max_lag, atLeast(0.0), "s");
   params.max_tracks = reader.integer("max_tracks", params.max_tracks, 1, kMany);

@@ -62,6 +62,7 @@ TEST(SensorHealth, MatchesTheReferenceVectors) {
   Eigen::MatrixXd log(nu.size(), 6);
   SensorHealthParams params;
   params.form = HealthForm::specified;
+  params.noise_threshold = params.bias_threshold = 12.0;
   SensorHealth health(params, at(0.0), 1);
   const double first = vectors["t0"].as<double>(), interval = vectors["dt"].as<double>();
   for (Eigen::Index k = 0; k < nu.size(); ++k) {

@@ -3,6 +3,7 @@
 #include <boost/make_shared.hpp>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -145,6 +146,32 @@ TEST_F(Component, HealthShowsRatesDropsAgesAndTracks) {
   health.diagnose(at(14.0), 0, silent);
   EXPECT_EQ(silent.level, diagnostic_msgs::DiagnosticStatus::WARN);
   EXPECT_NE(silent.message.find("no scan for"), std::string::npos);
+}
+
+TEST_F(Component, ASensorThatGoesWrongIsInTheLogAndInTheDiagnosticsUntilItHasRecovered) {
+  LocalTrackerHealth health(2.0);
+  std::vector<std::string> lines;
+  diagnostic_updater::DiagnosticStatusWrapper during, after;
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 1600; ++i) {
+    const double t = 10.0 + 0.01 * i;
+    const bool is_bad = i % 4 == 0 && t >= 13.0 && t < 18.0;
+    const double azimuth = 0.5 + 1e-3 * (normal(random) + (is_bad ? 4.0 : 0.0));
+    const TrackerReport last = report(scanAt(t, {azimuth}, "eye_" + std::to_string(i % 4)));
+    health.note(last);
+    for (const std::string& line : health.sensorLines(last, at(t))) lines.push_back(line);
+    if (i == 700) health.diagnose(at(t), 0, during, component_.sensors());
+  }
+  health.diagnose(at(26.0), 0, after, component_.sensors());
+  ASSERT_GE(lines.size(), 2u);
+  EXPECT_NE(lines.front().find("sensor \"eye_0\""), std::string::npos);
+  EXPECT_NE(lines.back().find("is as it states again"), std::string::npos);
+  EXPECT_NE(valueOf(during, "guard of eye_0").find("not used"), std::string::npos);
+  EXPECT_EQ(valueOf(during, "guard of eye_1"), "healthy");
+  EXPECT_EQ(during.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(during.message.find("eye_0"), std::string::npos);
+  EXPECT_NE(valueOf(after, "guard of eye_0").find("recovered"), std::string::npos);
 }
 
 TEST_F(Component, WarningsOfOneKindComeAtMostEveryFiveSeconds) {

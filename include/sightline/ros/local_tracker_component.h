@@ -24,7 +24,8 @@ struct TrackerReport {
   std::size_t rejected = 0;                       ///< sightings with REJECTED_INPUT
   std::string drop_reason;                        ///< short and of few kinds; empty when the scan was used
   std::string drop_detail;                        ///< the whole story
-  std::string notice;                             ///< what else an operator must know; mostly empty
+  std::vector<sightline::core::SensorChange> changes;  ///< of what is thought of a sensor; mostly none
+  std::string notice;                                  ///< what else an operator must know; mostly empty
 };
 
 /// A local tracker from message to message, without a node round it: frame change, then the tracker of the
@@ -43,6 +44,9 @@ class LocalTrackerComponent {
 
   /// Transforms have come, or time has gone by: what became of the scans that were waiting.
   std::vector<TrackerReport> onTransforms(sightline::core::Time now);
+
+  /// What is thought of each sensor that has been compared with others.
+  std::vector<sightline::core::WatchedSensor> sensors() const { return tracker_.sensors(); }
 
   std::size_t waiting() const { return frames_.waiting(); }
   const std::string& name() const { return name_; }

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
 
@@ -30,9 +31,15 @@ class LocalTrackerHealth {
   /// at most one in five seconds of `now` for each reason.
   std::optional<std::string> warningAbout(const TrackerReport& report, sightline::core::Time now);
 
-  /// Fills a diagnostic status; rates and the level are over the time since the last call.
+  /// Lines to log for the changes of sensors in a report: each at once, but of one sensor at most one in five
+  /// seconds of `now`; what was held back is counted in the next.
+  std::vector<std::string> sensorLines(const TrackerReport& report, sightline::core::Time now);
+
+  /// Fills a diagnostic status; rates and the level are over the time since the last call. `watched`: what
+  /// the tracker thinks of its sensors; one that is not healthy is a warning.
   void diagnose(sightline::core::Time now, std::size_t waiting,
-                diagnostic_updater::DiagnosticStatusWrapper& status);
+                diagnostic_updater::DiagnosticStatusWrapper& status,
+                const std::vector<sightline::core::WatchedSensor>& watched = {});
 
  private:
   struct Sensor {
@@ -54,8 +61,9 @@ class LocalTrackerHealth {
 
   double silence_;
   std::map<std::string, Sensor> sensors_;
-  std::map<std::string, Counted> drops_;   // by reason; rejected sightings are one of them
-  std::array<std::uint64_t, 3> tracks_{};  // by status, in the last report
+  std::map<std::string, Counted> changes_;  // by sensor
+  std::map<std::string, Counted> drops_;    // by reason; rejected sightings are one of them
+  std::array<std::uint64_t, 3> tracks_{};   // by status, in the last report
   std::optional<sightline::core::Time> last_diagnosis_;
 };
 

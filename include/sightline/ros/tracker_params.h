@@ -15,6 +15,12 @@ sightline::core::GateParams loadGateParams(const ParamReader& reader,
                                            sightline::core::GateParams defaults = {});
 sightline::core::LifecycleParams loadLifecycleParams(const ParamReader& reader,
                                                      sightline::core::LifecycleParams defaults = {});
+sightline::core::SensorHealthParams loadSensorHealthParams(const ParamReader& reader,
+                                                           sightline::core::SensorHealthParams defaults = {});
+
+/// The guard's own and, at the same level, those of the watch over each sensor.
+sightline::core::GuardParams loadGuardParams(const ParamReader& reader,
+                                             sightline::core::GuardParams defaults = {});
 sightline::core::TwblsParams loadTwblsParams(const ParamReader& reader,
                                              sightline::core::TwblsParams defaults = {});
 sightline::core::TwblsConsistentParams loadTwblsConsistentParams(
@@ -31,7 +37,7 @@ sightline::core::ImmParams loadImmParams(const ParamReader& reader, sightline::c
 sightline::core::EstimatorParams loadEstimatorParams(const ParamReader& reader,
                                                      sightline::core::EstimatorParams defaults = {});
 
-/// All of the above with `gate` and `lifecycle`, and the tracker's own.
+/// All of the above with `gate`, `lifecycle` and `guard`, and the tracker's own.
 sightline::core::LocalTrackerParams loadLocalTrackerParams(const ParamReader& reader,
                                                            sightline::core::LocalTrackerParams defaults = {});
 

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "sightline/core/sensor_guard.h"
+
+namespace sightline_ros {
+
+/// What happened to a sensor, for the log: name, what, how much, since when, and what is done about it.
+std::string wordsOf(const sightline::core::SensorChange& change);
+
+/// How a sensor is doing, for /diagnostics.
+std::string wordsOf(const sightline::core::WatchedSensor& sensor);
+
+}  // namespace sightline_ros
