@@ -8,12 +8,10 @@
 namespace sightline::bench {
 namespace {
 
-constexpr int kFirstTick = 100;
-
-/// Mean over t in (1, 10] s of g(t)^T J(t)^-1 g(t), with the information J of all sightings until t about
+/// Mean over the span of g(t)^T J(t)^-1 g(t), with the information J of all sightings until t about
 /// parameters of which the position depends through g. `azimuth` and `elevation` may differ.
 template <int kParameters, typename Gradient>
-double meanBound(const Stream& stream, const Gradient& gradient) {
+double meanBound(const Stream& stream, const Span& span, const Gradient& gradient) {
   using Vector = Eigen::Matrix<double, kParameters, 1>;
   using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
   double sum = 0.0;
@@ -24,7 +22,7 @@ double meanBound(const Stream& stream, const Gradient& gradient) {
       const Vector g = gradient(0.01 * instant.tick, channel);
       if (instant.seen && !instant.outlier)
         information[channel] += g * g.transpose() / instant.measurement.covariance(channel, channel);
-      if (instant.tick <= kFirstTick) continue;
+      if (instant.tick <= span.after || instant.tick > span.until) continue;
       const Eigen::LDLT<Matrix> solver(information[channel]);
       sum += g.dot(solver.solve(g));
       ++counted;
@@ -35,18 +33,18 @@ double meanBound(const Stream& stream, const Gradient& gradient) {
 
 }  // namespace
 
-double sinusoidBound(const Stream& stream) {
-  return meanBound<4>(stream, [](double t, int channel) {
+double sinusoidBound(const Stream& stream, const Span& span) {
+  return meanBound<4>(stream, span, [](double t, int channel) {
     const double phase = channel == 0 ? t : t + std::acos(0.0);
     return Eigen::Vector4d(1.0, std::sin(phase), std::cos(phase), t * std::cos(phase));
   });
 }
 
-double lineBound(const Stream& stream) {
-  return meanBound<2>(stream, [](double t, int) { return Eigen::Vector2d(1.0, t); });
+double lineBound(const Stream& stream, const Span& span) {
+  return meanBound<2>(stream, span, [](double t, int) { return Eigen::Vector2d(1.0, t); });
 }
 
-double whiteAccelerationBound(const Stream& stream, double q, double scale) {
+double whiteAccelerationBound(const Stream& stream, double q, double scale, const Span& span) {
   const double variance = scale * scale;
   Eigen::Matrix2d P;
   P << 1e6 * variance, 0.0, 0.0, 0.25 * variance;
@@ -64,7 +62,7 @@ double whiteAccelerationBound(const Stream& stream, double q, double scale) {
       const Eigen::Vector2d K = P.col(0) / S;
       P -= S * K * K.transpose();
     }
-    if (instant.tick > kFirstTick) sum += P(0, 0), ++counted;
+    if (instant.tick > span.after && instant.tick <= span.until) sum += P(0, 0), ++counted;
   }
   return sum / counted;
 }
