@@ -25,15 +25,15 @@ struct Candidate {
 bool isFarAway(const Expectation& expectation, const Eigen::Vector3d& predicted, const Sighting& sighting,
                const GateParams& params, double threshold) {
   const double largest_variance =
-      expectation.innovation_scale *
-      (expectation.prediction.anglesCovariance().trace() + 34.0 * sighting.covariance.trace());
+      expectation.innovation_scale * (expectation.prediction.anglesCovariance().trace() +
+                                      expectation.smear.trace() + 34.0 * sighting.covariance.trace());
   const double reach = threshold * largest_variance + 2.0 * params.min_half_width * params.min_half_width;
   return (sighting.direction - predicted).squaredNorm() > reach;
 }
 
 Association comparison(const Expectation& expectation, const Sighting& sighting, const GateParams& params,
                        double threshold, Gate& gate) {
-  gate = gateOf(expectation.prediction, expectation.chart.covarianceOf(sighting), params,
+  gate = gateOf(expectation.prediction, expectation.chart.covarianceOf(sighting) + expectation.smear, params,
                 expectation.innovation_scale);
   Association pair;
   pair.track = expectation.id;

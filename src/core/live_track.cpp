@@ -81,7 +81,8 @@ Expectation LiveTrack::expect(Time time, bool adapt_gate) {
 
 void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectation& expectation,
                      const LifecycleParams& lifecycle) {
-  const Measurement measurement = measurementOf(scan, sighting);
+  Measurement measurement = measurementOf(scan, sighting);
+  measurement.covariance += expectation.smear;
   Gate stated;
   stated.covariance = expectation.prediction.anglesCovariance() + measurement.covariance;
   const Eigen::Vector2d innovation = angleDifference(measurement.position, expectation.prediction.angles());

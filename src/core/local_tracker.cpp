@@ -217,6 +217,12 @@ LocalTracker::Look LocalTracker::lookAt(const Scan& scan, double noise_scale) {
   const bool is_scaled = noise_scale != 1.0 && std::isfinite(noise_scale);
   Look look;
   look.expectations = predict(scan.time);
+  if (const double variance = state_.guard.clockVariance(scan.sensor); variance > 0.0) {
+    for (Expectation& expectation : look.expectations) {
+      const Eigen::Vector2d rates = expectation.prediction.rates();
+      expectation.smear = variance * rates * rates.transpose();
+    }
+  }
   look.pairing = associate(is_scaled ? withNoise(scan, noise_scale) : scan, look.expectations, params_.gate);
   if (!params_.guard.enabled) return look;
   look.vouching.reserve(state_.tracks.size());

@@ -12,6 +12,7 @@ constexpr std::size_t kMostSensors = 64;  // that are watched
 constexpr std::size_t kMostStray = 32;    // stray sightings in a scan beyond which they tell nothing
 constexpr int kClutterMemory = 50;        // scans over which the number of stray sightings is smoothed
 constexpr double kMostFalse = 0.005;      // false sightings expected nearer than a stray one that counts
+constexpr double kClockInterval = 1.0;    // between comparisons of the clocks [s]
 constexpr int kOthersThatDecide = 2;      // with one other sensor, either may be to blame
 
 Innovation innovationOf(const Expectation& expectation, const Sighting& sighting) {
@@ -64,8 +65,12 @@ Nearby nearbyOf(const Scan& scan, const std::vector<std::size_t>& stray, const E
 }  // namespace
 
 SensorGuard::SensorGuard(const GuardParams& params) : params_(params) {
-  if (!(params.roll_back >= 0.0) || !(params.support > 0.0) || !(params.reach > 0.0)) {
-    throw std::invalid_argument("GuardParams: roll_back >= 0 s, support > 0 s and reach > 0 are required");
+  if (!(params.roll_back >= 0.0) || !(params.support > 0.0) || !(params.reach > 0.0) ||
+      !(params.clock.memory > 0.0) || !(params.clock.significance > 0.0) || !(params.clock.least >= 0.0)) {
+    throw std::invalid_argument(
+        "GuardParams: roll_back >= 0 s, support > 0 s, reach > 0, and of the clock memory > 0 s, "
+        "significance "
+        "> 0 and least >= 0 s are required");
   }
   SensorHealth(params.health, Time{});  // refuses what cannot work
 }
@@ -85,13 +90,36 @@ SensorGuard::Watch* SensorGuard::findOrStart(const std::string& sensor, Time tim
   const std::size_t place = placeOf(sensor);
   if (place < watches_.size() && watches_[place].sensor == sensor) return &watches_[place];
   if (watches_.size() >= kMostSensors) return nullptr;
-  return &*watches_.insert(watches_.begin() + static_cast<std::ptrdiff_t>(place),
-                           Watch{sensor, SensorHealth(params_.health, time)});
+  return &*watches_.insert(
+      watches_.begin() + static_cast<std::ptrdiff_t>(place),
+      Watch{sensor, SensorHealth(params_.health, time), ClockWatch(params_.clock, time)});
 }
 
 double SensorGuard::noiseScale(const std::string& sensor) const {
   const Watch* watch = find(sensor);
   return watch == nullptr || watch->undecided ? 1.0 : watch->health.noiseScale();
+}
+
+double SensorGuard::clockVariance(const std::string& sensor) const {
+  const Watch* watch = find(sensor);
+  if (watch == nullptr || !watch->wrong_clock) return 0.0;
+  return watch->wrong_clock->behind * watch->wrong_clock->behind +
+         watch->wrong_clock->sigma * watch->wrong_clock->sigma;
+}
+
+/// Once a second; it needs the sightings of many.
+void SensorGuard::compareClocks(Time time) {
+  if (seconds(time - clocks_compared_) < kClockInterval) return;
+  clocks_compared_ = time;
+  std::vector<std::optional<ClockOffset>> against;
+  for (Watch& watch : watches_) {
+    watch.wrong_clock.reset();
+    against.push_back(watch.clock.against());
+  }
+  for (const ClockFinding& finding : wrongClocks(against, params_.clock)) {
+    watches_[finding.sensor].wrong_clock = finding.offset;
+    watches_[finding.sensor].clock_undecided = finding.undecided;
+  }
 }
 
 bool SensorGuard::isInReach(const Expectation& expectation, const Sighting& sighting) const {
@@ -118,8 +146,11 @@ void SensorGuard::watch(const Scan& scan, const std::vector<Expectation>& expect
     if (own >= 0) {
       watch->scans = std::min(watch->scans + 1, kClutterMemory);
       watch->clutter += (nearby.count - watch->clutter) / watch->scans;
-      watch->health.take(scan.time,
-                         innovationOf(expectations[i], scan.sightings[static_cast<std::size_t>(own)]));
+      const Sighting& sighting = scan.sightings[static_cast<std::size_t>(own)];
+      const Innovation innovation = innovationOf(expectations[i], sighting);
+      watch->health.take(scan.time, innovation);
+      watch->clock.take(scan.time, innovation.nu.matrix(), expectations[i].chart.covarianceOf(sighting),
+                        expectations[i].prediction);
     } else if (nearby.nearest) {
       const double in_reach = (watch->clutter * watch->scans + 0.5) / (watch->scans + 1);
       const double expected_false = in_reach * nearby.distance_squared / (params_.reach * params_.reach);
@@ -131,6 +162,7 @@ void SensorGuard::watch(const Scan& scan, const std::vector<Expectation>& expect
     most_others = std::max(most_others, vouching[i].others);
   }
   if (most_others == 0) return;
+  compareClocks(scan.time);
   watch->decides = most_others >= kOthersThatDecide;
   if (watch->decides && watch->undecided) {
     watch->health.forget(scan.time);
@@ -170,7 +202,7 @@ std::vector<WatchedSensor> SensorGuard::sensors() const {
   std::vector<WatchedSensor> sensors;
   for (const Watch& watch : watches_) {
     sensors.push_back({watch.sensor, watch.health.verdict(), watch.undecided, noiseScale(watch.sensor),
-                       watch.health.lastChange()});
+                       watch.wrong_clock, watch.clock_undecided, watch.health.lastChange()});
   }
   return sensors;
 }

@@ -94,6 +94,19 @@ std::vector<std::string> LocalTrackerHealth::sensorLines(const TrackerReport& re
   return lines;
 }
 
+std::vector<std::string> LocalTrackerHealth::clockLines(const std::vector<core::WatchedSensor>& watched) {
+  std::vector<std::string> lines;
+  for (const core::WatchedSensor& sensor : watched) {
+    const bool is_wrong = sensor.clock.has_value();
+    bool& was_wrong = wrong_clocks_[sensor.sensor];
+    if (is_wrong && !was_wrong) lines.push_back(clockWordsOf(sensor));
+    if (!is_wrong && was_wrong)
+      lines.push_back("clock of " + sensor.sensor + " agrees with the others again");
+    was_wrong = is_wrong;
+  }
+  return lines;
+}
+
 void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
                                   diagnostic_updater::DiagnosticStatusWrapper& status,
                                   const std::vector<core::WatchedSensor>& watched) {
@@ -103,6 +116,8 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
     status.add("guard of " + sensor.sensor, words);
     if (sensor.verdict != core::SensorVerdict::healthy)
       status.mergeSummary(DiagnosticStatus::WARN, sensor.sensor + " " + words);
+    const std::string clock = clockWordsOf(sensor);
+    if (!clock.empty()) status.mergeSummary(DiagnosticStatus::WARN, clock);
   }
   status.add("tracks confirmed", tracks_[sightline::Track::CONFIRMED]);
   status.add("tracks coasting", tracks_[sightline::Track::COASTING]);

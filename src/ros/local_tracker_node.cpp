@@ -86,7 +86,10 @@ void LocalTrackerNode::warnOf(const TrackerReport& report) {
 }
 
 void LocalTrackerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  health_.diagnose(clockNow(), component_.waiting(), status, component_.sensors());
+  const std::vector<sightline::core::WatchedSensor> watched = component_.sensors();
+  for (const std::string& line : health_.clockLines(watched))
+    ROS_WARN_STREAM(component_.name() << ": " << line);
+  health_.diagnose(clockNow(), component_.waiting(), status, watched);
 }
 
 }  // namespace sightline_ros

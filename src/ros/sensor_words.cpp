@@ -56,6 +56,16 @@ std::string wordsOf(const core::SensorChange& change) {
          stampOf(change.change.time) + "): " + consequenceOf(change.change.verdict, change.undecided);
 }
 
+std::string clockWordsOf(const core::WatchedSensor& sensor) {
+  if (!sensor.clock) return "";
+  std::ostringstream text;
+  text << std::setprecision(3) << "clock of " << sensor.sensor << " is " << std::abs(sensor.clock->behind)
+       << " +- " << sensor.clock->sigma << " s " << (sensor.clock->behind > 0.0 ? "behind" : "ahead of")
+       << (sensor.clock_undecided ? " the other's, either of the two may be wrong" : " the others'")
+       << ": its sightings are used with a variance grown by what the target moves in that time";
+  return text.str();
+}
+
 std::string wordsOf(const core::WatchedSensor& sensor) {
   if (!sensor.last) return "healthy";
   std::string words = findingOf(*sensor.last);

@@ -143,6 +143,11 @@ core::GuardParams loadGuardParams(const ParamReader& reader, core::GuardParams p
   params.support = reader.number("support", params.support, above(0.0), "s");
   params.reach = reader.number("reach", params.reach, above(0.0), "sigma");
   params.health = loadSensorHealthParams(reader, params.health);
+  const ParamReader clock = reader.sub("clock");
+  params.clock.memory = clock.number("memory", params.clock.memory, above(0.0), "s");
+  params.clock.significance =
+      clock.number("significance", params.clock.significance, above(0.0), "standard errors");
+  params.clock.least = clock.number("least", params.clock.least, atLeast(0.0), "s");
   return params;
 }
 

@@ -174,6 +174,29 @@ TEST_F(Component, ASensorThatGoesWrongIsInTheLogAndInTheDiagnosticsUntilItHasRec
   EXPECT_NE(valueOf(after, "guard of eye_0").find("recovered"), std::string::npos);
 }
 
+TEST_F(Component, AWrongClockIsWarnedOfOnceAndStaysInTheDiagnostics) {
+  LocalTrackerHealth health(2.0);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  std::vector<std::string> lines;
+  for (int i = 0; i < 3000; ++i) {
+    const double t = 10.0 + 0.01 * i;
+    const double seen = t + (i % 3 == 0 ? 0.0603 : 0.0);  // eye_0 stamps 0.06 s too early
+    const double azimuth = 0.01 * std::sin(seen) + 1e-3 * normal(random);
+    const TrackerReport last = report(scanAt(t, {azimuth}, "eye_" + std::to_string(i % 3)));
+    health.note(last);
+    if (i % 100 != 0) continue;
+    for (const std::string& line : health.clockLines(component_.sensors())) lines.push_back(line);
+  }
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("clock of eye_0 is 0.0"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[0].find("behind the others'"), std::string::npos) << lines[0];
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(at(40.0), 0, status, component_.sensors());
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(status.message.find("clock of eye_0"), std::string::npos);
+}
+
 TEST_F(Component, WarningsOfOneKindComeAtMostEveryFiveSeconds) {
   LocalTrackerHealth health(2.0);
   report(scanAt(10.0, {0.5}));

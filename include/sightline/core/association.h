@@ -16,7 +16,10 @@ struct Expectation {
   bool believed = false;  ///< confirmed or coasting: chooses before the tentative ones
   bool guards = false;    ///< confirmed and not coasting: no track is started in its gate
   Chart chart;
-  AngularState prediction;        ///< in the chart, at the time of the scan
+  AngularState prediction;  ///< in the chart, at the time of the scan
+  /// Added to the covariance of every sighting [rad^2]: how far the target moves within the error of the
+  /// scan's stamp.
+  Eigen::Matrix2d smear = Eigen::Matrix2d::Zero();
   double innovation_scale = 1.0;  ///< by which S is enlarged, >= 1
 };
 

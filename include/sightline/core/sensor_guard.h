@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sightline/core/association.h"
+#include "sightline/core/clock_offset.h"
 #include "sightline/core/sensor_health.h"
 #include "sightline/core/sighting.h"
 #include "sightline/core/time.h"
@@ -17,6 +18,7 @@ namespace sightline::core {
 struct GuardParams {
   bool enabled = true;
   SensorHealthParams health;
+  ClockOffsetParams clock;
   double roll_back = 1.5;  ///< how far back after an alarm a sensor's scans are followed again [s], >= 0
   double support = 2.5;    ///< silence after which a sensor no longer vouches for a track [s], > 0
   double reach = 100.0;    ///< distance from a track up to which a stray sighting may be its own [sigma], > 0
@@ -29,6 +31,8 @@ struct WatchedSensor {
   bool undecided =
       false;  ///< only one other sensor sees its targets: either may be to blame, nothing is done
   double noise_scale = 1.0;          ///< factor on the stated variances; infinity = not used
+  std::optional<ClockOffset> clock;  ///< by how much its clock is behind the others', where that is certain
+  bool clock_undecided = false;      ///< of two clocks that differ, either may be wrong
   std::optional<HealthChange> last;  ///< the last change of the verdict
 };
 
@@ -58,6 +62,9 @@ class SensorGuard {
 
   bool isExcluded(const std::string& sensor) const { return std::isinf(noiseScale(sensor)); }
 
+  /// Mean square by which the sensor's stamps are off [s^2]; zero while its clock is not known to be wrong.
+  double clockVariance(const std::string& sensor) const;
+
   /// Whether a sensor that has been silent for so long [s] can still be held against others.
   bool mayVouch(const std::string& sensor, double silence) const {
     return silence <= params_.support && !isExcluded(sensor);
@@ -86,6 +93,9 @@ class SensorGuard {
   struct Watch {
     std::string sensor;
     SensorHealth health;
+    ClockWatch clock;
+    std::optional<ClockOffset> wrong_clock;
+    bool clock_undecided = false;
     bool decides = false;    // whether there were others enough to tell who is to blame, at the last scan
     bool undecided = false;  // the present verdict
     double clutter = 0.0;    // mean number of stray sightings in reach of a track that has its own
@@ -95,9 +105,11 @@ class SensorGuard {
   std::size_t placeOf(const std::string& sensor) const;
   const Watch* find(const std::string& sensor) const;
   Watch* findOrStart(const std::string& sensor, Time time);
+  void compareClocks(Time time);
 
   GuardParams params_;
   std::vector<Watch> watches_;  // by name
+  Time clocks_compared_{};
 };
 
 }  // namespace sightline::core

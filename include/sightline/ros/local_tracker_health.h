@@ -35,6 +35,9 @@ class LocalTrackerHealth {
   /// seconds of `now`; what was held back is counted in the next.
   std::vector<std::string> sensorLines(const TrackerReport& report, sightline::core::Time now);
 
+  /// Lines to log for clocks that were found wrong, or right again, since the last call.
+  std::vector<std::string> clockLines(const std::vector<sightline::core::WatchedSensor>& watched);
+
   /// Fills a diagnostic status; rates and the level are over the time since the last call. `watched`: what
   /// the tracker thinks of its sensors; one that is not healthy is a warning.
   void diagnose(sightline::core::Time now, std::size_t waiting,
@@ -61,9 +64,10 @@ class LocalTrackerHealth {
 
   double silence_;
   std::map<std::string, Sensor> sensors_;
-  std::map<std::string, Counted> changes_;  // by sensor
-  std::map<std::string, Counted> drops_;    // by reason; rejected sightings are one of them
-  std::array<std::uint64_t, 3> tracks_{};   // by status, in the last report
+  std::map<std::string, bool> wrong_clocks_;  // by sensor, as last logged
+  std::map<std::string, Counted> changes_;    // by sensor
+  std::map<std::string, Counted> drops_;      // by reason; rejected sightings are one of them
+  std::array<std::uint64_t, 3> tracks_{};     // by status, in the last report
   std::optional<sightline::core::Time> last_diagnosis_;
 };
 

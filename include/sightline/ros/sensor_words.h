@@ -9,6 +9,10 @@ namespace sightline_ros {
 /// What happened to a sensor, for the log: name, what, how much, since when, and what is done about it.
 std::string wordsOf(const sightline::core::SensorChange& change);
 
+/// That the sensor's clock is wrong, by how much and what is done about it; empty when nothing is known of
+/// it.
+std::string clockWordsOf(const sightline::core::WatchedSensor& sensor);
+
 /// How a sensor is doing, for /diagnostics.
 std::string wordsOf(const sightline::core::WatchedSensor& sensor);
 
