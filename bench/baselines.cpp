@@ -212,4 +212,22 @@ std::vector<Contender> ours(double gate) {
           {"TWBLS", [twbls] { return core::makeEstimator(twbls); }, gate}};
 }
 
+std::vector<Contender> otherEstimators(double gate) {
+  core::EstimatorParams imm, kalman, twbls, noga;
+  imm.kind = core::EstimatorKind::imm;
+  kalman.kind = core::EstimatorKind::kalman;
+  twbls.twbls_form = core::EstimatorForm::paper;
+  noga.kind = core::EstimatorKind::noga;
+  noga.noga_form = core::EstimatorForm::paper;
+  std::vector<Contender> all;
+  const auto add = [&](const char* name, const core::EstimatorParams& params) {
+    all.push_back({name, [params] { return core::makeEstimator(params); }, gate});
+  };
+  add("IMM default", imm);
+  add("Kalman default", kalman);
+  add("TWBLS paper", twbls);
+  add("NOGA paper", noga);
+  return all;
+}
+
 }  // namespace sightline::bench

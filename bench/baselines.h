@@ -76,6 +76,9 @@ std::vector<Contender> imms(double scale, double outlier_share);
 /// infinity.
 std::vector<Contender> ours(double gate);
 
+/// The core's other estimators with their default settings: IMM, Kalman filter, both of form `paper`.
+std::vector<Contender> otherEstimators(double gate);
+
 /// Gate of the local tracker: holds 99.95 % of genuine sightings, chi-square of two channels.
 constexpr double kTrackerGate = 15.2;
 

@@ -10,7 +10,6 @@
 #include <limits>
 #include <vector>
 
-#include "sightline/core/estimators.h"
 #include "sightline/core/metrics.h"
 
 #include "monte_carlo.h"
@@ -21,24 +20,12 @@ namespace {
 
 constexpr double kAll = std::numeric_limits<double>::infinity();
 
-Contender coreContender(const char* name, const core::EstimatorParams& params) {
-  return {name, [params] { return core::makeEstimator(params); }, kAll};
-}
-
 /// Every estimator with its default settings; the first `kAimed` have aims.
 constexpr std::size_t kAimed = 2;
 std::vector<Contender> estimators(double white_acceleration) {
   std::vector<Contender> all = ours(kAll);
-  core::EstimatorParams imm, kalman, twbls, noga;
-  imm.kind = core::EstimatorKind::imm;
-  kalman.kind = core::EstimatorKind::kalman;
-  twbls.twbls_form = core::EstimatorForm::paper;
-  noga.kind = core::EstimatorKind::noga;
-  noga.noga_form = core::EstimatorForm::paper;
-  all.push_back(coreContender("IMM", imm));
-  all.push_back(coreContender("Kalman", kalman));
-  all.push_back(coreContender("TWBLS paper", twbls));
-  all.push_back(coreContender("NOGA paper", noga));
+  const std::vector<Contender> others = otherEstimators(kAll);
+  all.insert(all.end(), others.begin(), others.end());
   if (white_acceleration > 0.0) {
     BaselineParams truth;
     truth.models = {{BaselineModel::Kind::velocity, white_acceleration}};

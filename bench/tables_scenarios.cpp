@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bounds.h"
@@ -18,7 +19,7 @@ namespace {
 /// Everything measured on one scenario.
 struct Column {
   const Scenario* scenario = nullptr;
-  std::vector<Score> ours, kalman, imm;
+  std::vector<Score> ours, others, kalman, imm;
   double bound = std::numeric_limits<double>::quiet_NaN();  // RMSE / sigma
 };
 
@@ -45,17 +46,23 @@ std::vector<Column> measure(const std::vector<Scenario>& scenarios, double sigma
     // them.
     const bool outliers = scenario.outlier_share > 0.0;
     const double share = outliers ? 0.01 : 0.0;
-    std::vector<Contender> all = ours(outliers ? kTrackerGate : std::numeric_limits<double>::infinity());
-    const std::vector<Contender> filters = kalmanFilters(1.0, share), banks = imms(1.0, share);
-    all.insert(all.end(), filters.begin(), filters.end());
-    all.insert(all.end(), banks.begin(), banks.end());
-    const std::vector<Score> scores = evaluate(scenario, sensors, all, options);
+    const double gate = outliers ? kTrackerGate : std::numeric_limits<double>::infinity();
     Column column;
     column.scenario = &scenario;
-    const auto from = scores.begin() + 2, middle = from + static_cast<std::ptrdiff_t>(filters.size());
-    column.ours.assign(scores.begin(), from);
-    column.kalman.assign(from, middle);
-    column.imm.assign(middle, scores.end());
+    const std::pair<std::vector<Score>*, std::vector<Contender>> groups[] = {
+        {&column.ours, ours(gate)},
+        {&column.others, otherEstimators(gate)},
+        {&column.kalman, kalmanFilters(1.0, share)},
+        {&column.imm, imms(1.0, share)}};
+    std::vector<Contender> all;
+    for (const auto& group : groups) all.insert(all.end(), group.second.begin(), group.second.end());
+    const std::vector<Score> scores = evaluate(scenario, sensors, all, options);
+    auto next = scores.begin();
+    for (const auto& group : groups) {
+      const auto end = next + static_cast<std::ptrdiff_t>(group.second.size());
+      group.first->assign(next, end);
+      next = end;
+    }
     column.bound = boundOf(scenario, sensors, options);
     columns.push_back(std::move(column));
   }
@@ -68,10 +75,10 @@ void printName(const std::string& name) {
   std::printf("%-23s", name.c_str());
 }
 
-void printHead(const char* what, const std::vector<Column>& columns) {
+void printHead(const char* what, const std::vector<Column>& columns, const char* tail = "") {
   printName(what);
   for (const Column& column : columns) std::printf("|%*s", kCell, column.scenario->name.c_str());
-  std::printf("|  geometric mean     aim\n");
+  std::printf("|%s\n", tail);
 }
 
 /// RMSE / sigma with its band of every scenario; `of` picks the score.
@@ -90,7 +97,7 @@ void printNees(const std::string& name, const std::vector<Column>& columns, cons
   printName(name);
   for (const Column& column : columns) {
     const Score& score = of(column);
-    std::printf("|%6.2f;%6.2f ", score.nees_position.mean(), score.nees_state.mean());
+    std::printf("|%6.3g;%6.3g ", score.nees_position.mean(), score.nees_state.mean());
   }
   std::printf("|\n");
 }
@@ -158,20 +165,25 @@ void printReference(const std::vector<Column>& columns, const std::vector<double
 }
 
 struct Aims {
-  RatioAims kalman[2], best_imm[2], single_imm[2];  // of NOGA and TWBLS
+  RatioAims kalman[2], single_imm[2];  // of NOGA and TWBLS
   double nees_below = std::numeric_limits<double>::quiet_NaN();
 };
 
-void printColumns(const std::vector<Column>& columns, double sigma, const Aims& aims,
-                  const std::vector<double>& reference) {
+/// Picks the k-th of a group of a column.
+auto numbered(std::vector<Score> Column::*group, std::size_t k) {
+  return [group, k](const Column& column) -> const Score& { return (column.*group)[k]; };
+}
+
+void printErrorBlock(const std::vector<Column>& columns, double sigma, const std::vector<double>& reference) {
+  const Column& first = columns.front();
   printHead("RMSE / sigma", columns);
-  for (std::size_t k = 0; k < 2; ++k)
-    printErrors(columns.front().ours[k].name, columns, sigma,
-                [k](const Column& column) -> const Score& { return column.ours[k]; });
+  for (std::size_t k = 0; k < first.ours.size(); ++k)
+    printErrors(first.ours[k].name, columns, sigma, numbered(&Column::ours, k));
+  for (std::size_t k = 0; k < first.others.size(); ++k)
+    printErrors(first.others[k].name, columns, sigma, numbered(&Column::others, k));
   printErrors("KF* (hindsight)", columns, sigma, bestKalman);
-  for (std::size_t k = 0; k < columns.front().imm.size(); ++k)
-    printErrors(columns.front().imm[k].name, columns, sigma,
-                [k](const Column& column) -> const Score& { return column.imm[k]; });
+  for (std::size_t k = 0; k < first.imm.size(); ++k)
+    printErrors(first.imm[k].name, columns, sigma, numbered(&Column::imm, k));
   printName("bound");
   for (const Column& column : columns) {
     if (std::isnan(column.bound)) {
@@ -185,38 +197,50 @@ void printColumns(const std::vector<Column>& columns, double sigma, const Aims& 
   for (const Column& column : columns) std::printf("|%*s", kCell, bestKalman(column).name.c_str());
   std::printf("|\n");
   if (!reference.empty()) printReference(columns, reference, sigma);
+}
 
-  const std::size_t single = bestSingleImm(columns);
-  std::printf("\nbest single IMM over these: %s\n", columns.front().imm[single].name.c_str());
-  printHead("RMSE ratios", columns);
-  const auto singleImm = [single](const Column& column) -> const Score& { return column.imm[single]; };
-  for (std::size_t k = 0; k < 2; ++k) {
-    const auto pick = [k](const Column& column) -> const Score& { return column.ours[k]; };
-    const std::string& name = columns.front().ours[k].name;
+void printRatioBlock(const std::vector<Column>& columns, std::size_t single, const Aims& aims) {
+  const Column& first = columns.front();
+  std::printf("\nbest single IMM over these: %s\n", first.imm[single].name.c_str());
+  printHead("RMSE ratios", columns, "  geometric mean     aim");
+  for (std::size_t k = 0; k < first.ours.size(); ++k) {
+    const auto pick = numbered(&Column::ours, k);
+    const std::string& name = first.ours[k].name;
     printRatios(name + " / KF*", columns, pick, bestKalman, aims.kalman[k]);
-    printRatios(name + " / best single IMM", columns, pick, singleImm, aims.single_imm[k]);
-    printRatios(name + " / best IMM each", columns, pick, bestImm, aims.best_imm[k]);
+    printRatios(name + " / best single IMM", columns, pick, numbered(&Column::imm, single),
+                aims.single_imm[k]);
+    printRatios(name + " / best IMM each", columns, pick, bestImm, {});
   }
-  printRatios("single IMM / KF*", columns, singleImm, bestKalman, {});
+  printRatios("single IMM / KF*", columns, numbered(&Column::imm, single), bestKalman, {});
+}
 
+void printNeesBlock(const std::vector<Column>& columns, std::size_t single, double aim) {
+  const Column& first = columns.front();
   std::printf("\n");
   printHead("ANEES position;state", columns);
-  for (std::size_t k = 0; k < 2; ++k)
-    printNees(columns.front().ours[k].name, columns,
-              [k](const Column& column) -> const Score& { return column.ours[k]; });
+  for (std::size_t k = 0; k < first.ours.size(); ++k)
+    printNees(first.ours[k].name, columns, numbered(&Column::ours, k));
+  for (std::size_t k = 0; k < first.others.size(); ++k)
+    printNees(first.others[k].name, columns, numbered(&Column::others, k));
   printNees("KF*", columns, bestKalman);
-  printNees("best single IMM", columns, singleImm);
-  if (std::isnan(aims.nees_below)) return;
-  for (std::size_t k = 0; k < 2; ++k) {
+  printNees("best single IMM", columns, numbered(&Column::imm, single));
+  for (std::size_t k = 0; k < first.ours.size() && !std::isnan(aim); ++k) {
     double worst = 0.0, band = 0.0;
     for (const Column& column : columns) {
       const Sample& nees = column.ours[k].nees_position;
       if (nees.mean() > worst) worst = nees.mean(), band = nees.band();
     }
-    std::printf("%s: worst ANEES of the position %.2f, aim <= %.2f %s\n",
-                columns.front().ours[k].name.c_str(), worst, aims.nees_below,
-                markOf(worst, aims.nees_below, band));
+    std::printf("%s: worst ANEES of the position %.2f, aim <= %.2f %s\n", first.ours[k].name.c_str(), worst,
+                aim, markOf(worst, aim, band));
   }
+}
+
+void printColumns(const std::vector<Column>& columns, double sigma, const Aims& aims,
+                  const std::vector<double>& reference) {
+  const std::size_t single = bestSingleImm(columns);
+  printErrorBlock(columns, sigma, reference);
+  printRatioBlock(columns, single, aims);
+  printNeesBlock(columns, single, aims.nees_below);
 }
 
 void printSinusoid(const Column& column, double sigma) {

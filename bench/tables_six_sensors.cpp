@@ -21,7 +21,7 @@ struct SixAims {
 
 void printLine(const Score& score, double aim, double then) {
   const double value = score.estimate.root() / kBestSigma, band = score.estimate.rootBand() / kBestSigma;
-  std::printf("%-22s|%7.3f +-%5.3f |%7.3f |%6.2f;%6.2f |", score.name.c_str(), value, band,
+  std::printf("%-22s|%7.3f +-%5.3f |%7.3f |%6.3g;%6.3g |", score.name.c_str(), value, band,
               score.prediction.root() / kBestSigma, score.nees_position.mean(), score.nees_state.mean());
   if (!std::isnan(aim)) std::printf(" <= %.3f %s", aim, markOf(value, aim, band));
   if (!std::isnan(then)) std::printf(", then %.3f %s", then, markOf(value, then, band));
@@ -51,10 +51,11 @@ void printSixSensors(const Options& options) {
                 aims.scenario, options.runs);
     std::printf("%-22s|%15s |%7s |%13s | aim\n", "", "RMSE / 0.08", "pred.", "ANEES pos;st");
     std::vector<Contender> all = ours(std::numeric_limits<double>::infinity());
-    for (const auto& list : {imms(1.0, 0.0), kalmanFilters(1.0, 0.0)})
+    const std::vector<Contender> others = otherEstimators(std::numeric_limits<double>::infinity());
+    for (const auto& list : {others, imms(1.0, 0.0), kalmanFilters(1.0, 0.0)})
       all.insert(all.end(), list.begin(), list.end());
     const std::vector<Score> scores = evaluate(scenario, sixSensors(), all, options);
-    const std::size_t first_kalman = 2 + imms(1.0, 0.0).size();
+    const std::size_t first_kalman = 2 + others.size() + imms(1.0, 0.0).size();
     printLine(scores[0], aims.noga, aims.noga_then);
     printLine(scores[1], aims.twbls, none);
     for (std::size_t k = 2; k < first_kalman; ++k) printLine(scores[k], none, none);
