@@ -9,14 +9,14 @@
 // ours, are of the same size only.) NIS: squared innovation over what was expected (P and the noise as the
 // contender found it), a channel, after the first 2 s of a stretch. Bands over blocks of 2 s.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <functional>
-#include <map>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -26,23 +26,14 @@
 
 #include "monte_carlo.h"
 #include "parallel.h"
+#include "recorded_targets.h"
 #include "recordings.h"
 #include "tables.h"
 
 namespace sightline::bench {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kAhead = 0.5, kNearby = 0.03, kSettled = 2.0, kBlock = 2.0;  // [s]
-constexpr std::size_t kStretches = 6;
-
-/// One line of the table.
-struct Recorded {
-  std::string name;
-  bool in_section_8 = false;
-  double reference_best = std::nan("");  // of the best single filter, section 8 [degree]
-  std::vector<Stretch> stretches;
-};
 
 struct Outcome {
   std::string name;
@@ -175,76 +166,6 @@ std::vector<Contender> contenders() {
   return all;
 }
 
-std::map<std::string, std::vector<Stretch>> sensorsOf(const std::string& file) {
-  std::map<std::string, std::vector<Stretch>> sensors;
-  for (Stretch& stretch : readStretches(file)) {
-    auto& stretches = sensors[stretch.sensor];
-    if (stretches.size() < kStretches) stretches.push_back(std::move(stretch));
-  }
-  return sensors;
-}
-
-/// Centres of the boxes of a thermal clip with one box a frame, with a sigma of one pixel; field of view
-/// taken to be 24 x 19 degrees over 320 x 256 pixels.
-Stretch readBoxes(const std::string& file) {
-  std::ifstream stream(file);
-  if (!stream) throw std::runtime_error(file + ": cannot be read");
-  constexpr double kPixel = 24.0 / 320.0 * kDegree;
-  Stretch stretch;
-  std::string line;
-  std::getline(stream, line);
-  while (std::getline(stream, line)) {
-    std::vector<std::string> cells;
-    std::istringstream row(line);
-    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
-    if (cells.size() < 7) throw std::runtime_error(file + ": expected seven columns in \"" + line + "\"");
-    const core::Time time(core::durationOf(std::stod(cells[1])));
-    if (!stretch.times.empty() && time <= stretch.times.back()) continue;  // a second target
-    const double x = std::stod(cells[3]) + 0.5 * std::stod(cells[5]);
-    const double y = std::stod(cells[4]) + 0.5 * std::stod(cells[6]);
-    stretch.times.push_back(time);
-    stretch.sightings.push_back(core::sightingOf({-kPixel * (x - 160.0), -kPixel * (y - 128.0)},
-                                                 Eigen::Matrix2d::Identity() * (kPixel * kPixel)));
-  }
-  return stretch;
-}
-
-std::vector<Recorded> recordings(const std::string& folder) {
-  struct Named {
-    const char *file, *sensor, *name;
-    double best;  // NaN: not in section 8
-  };
-  const double none = std::nan("");
-  const Named named[] = {{"fireball_3_stations", "DFNSMALL36", "fireball 3, 36", 0.084},
-                         {"fireball_3_stations", "DFNSMALL38", "fireball 3, 38", 0.067},
-                         {"fireball_3_stations", "DFNSMALL40", "fireball 3, 40", 0.065},
-                         {"fireball_2_stations", "APO", "fireball 2, APO", 0.116},
-                         {"fireball_2_stations", "KOP", "fireball 2, KOP", 1.200},
-                         {"drone_5_cameras", "cam3", "drone, cam3", 0.189},
-                         {"drone_5_cameras", "cam5", "drone, cam5", 0.195},
-                         {"drone_5_cameras", "cam1", "drone, cam1", none},
-                         {"drone_5_cameras", "cam0", "drone, cam0", none},
-                         {"drone_5_cameras", "cam4", "drone, cam4", none}};
-  std::map<std::string, std::map<std::string, std::vector<Stretch>>> read;
-  std::vector<Recorded> all;
-  for (const Named& entry : named) {
-    if (read.count(entry.file) == 0)
-      read[entry.file] = sensorsOf(folder + "/" + entry.file + "/sightings.csv");
-    all.push_back({entry.name, !std::isnan(entry.best), entry.best, read[entry.file][entry.sensor]});
-  }
-  const std::pair<const char*, std::vector<const char*>> clips[] = {
-      {"infrared, drones", {"DRONE_021", "DRONE_059", "DRONE_060", "DRONE_061", "DRONE_142"}},
-      {"infrared, aircraft", {"AIRPLANE_019", "AIRPLANE_041", "AIRPLANE_051", "HELICOPTER_015"}}};
-  for (const auto& [name, files] : clips) {
-    Recorded recorded;
-    recorded.name = name;
-    for (const char* file : files)
-      recorded.stretches.push_back(readBoxes(folder + "/infrared/IR_" + file + "_boxes.csv"));
-    all.push_back(std::move(recorded));
-  }
-  return all;
-}
-
 struct Line {
   Recorded recorded;
   std::vector<Outcome> contenders;
@@ -326,7 +247,7 @@ void printRecordings(const Options& options) {
     return;
   }
   std::vector<Line> lines;
-  for (const Recorded& recorded : recordings(options.recordings))
+  for (const Recorded& recorded : recordedTargets(options.recordings))
     lines.push_back(measured(recorded, options));
   std::printf("%-19s|%-15s %-7s", "", "  best single", "sec. 8");
   for (std::size_t k = 0; k < lines.front().contenders.size(); ++k) {
@@ -337,7 +258,7 @@ void printRecordings(const Options& options) {
   for (const Line& line : lines) printLine(line);
   std::printf("the seven of section 8:\n");
   printMeans(lines, true);
-  std::printf("not named there (drone cameras, thermal clips):\n");
+  std::printf("not named there (drone, thermal clips, harbour, crossing):\n");
   printMeans(lines, false);
 }
 
