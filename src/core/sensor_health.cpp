@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMostSigmas = 100.0;    // that an innovation may count for in a likelihood
 constexpr double kPriceOfBias = 1.0;     // log likelihood by which a bias, with a parameter more, must win
+constexpr double kLargestShare = 0.1;    // of one instant in the sizes, however seldom the sensor looks
 constexpr double kSecondThoughts = 4.0;  // log likelihood that overturns a verdict
 
 const SensorHealthParams& checked(const SensorHealthParams& params, int channels) {
@@ -116,6 +117,7 @@ void SensorHealth::cumulate(Time time, const Innovation& innovation, const PerCh
 void SensorHealth::average(Time time, const PerChannel& u, double ratio) {
   if (time != last_ || innovations_ == 0) {
     share_ = -std::expm1(-seconds(time - last_) / params_.memory);
+    if (params_.form == HealthForm::refined) share_ = std::min(share_, kLargestShare);
     scale_before_ = scale_;
     mean_before_ = mean_;
     innovations_ = 0;

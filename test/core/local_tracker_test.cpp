@@ -238,6 +238,123 @@ TEST(LocalTracker, OneSettingServesSensorsOf1HzAndOf100Hz) {
   }
 }
 
+/// Everything that a report says, so that two can be compared to the last bit.
+std::vector<double> bitsOf(const ScanReport& report) {
+  std::vector<double> bits{static_cast<double>(report.time.time_since_epoch().count())};
+  for (const Track& track : report.tracks) {
+    bits.push_back(track.id);
+    bits.push_back(static_cast<double>(track.status));
+    bits.insert(bits.end(), track.state.mean.data(), track.state.mean.data() + 4);
+    bits.insert(bits.end(), track.state.covariance.data(), track.state.covariance.data() + 16);
+    bits.push_back(track.hits);
+    bits.push_back(track.misses);
+  }
+  return bits;
+}
+
+/// Scans of several sensors in order of time.
+std::vector<Scan> inOrder(std::vector<Scan> scans) {
+  std::sort(scans.begin(), scans.end(), precedes);
+  return scans;
+}
+
+TEST(LocalTracker, ASensorOf1HzBesideOneOf100HzIsUsedAndDoesNotDisturb) {
+  for (const EstimatorKind kind : {EstimatorKind::twbls, EstimatorKind::noga}) {
+    LocalTrackerParams params;
+    params.estimator.kind = kind;
+    double together = 0.0, alone = 0.0;
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+      Sensor quick, slow;
+      quick.sigma = 2e-3;
+      quick.random.seed(seed);
+      slow.name = "slow";
+      slow.sigma = 2e-4;
+      slow.random.seed(seed + 100);
+      std::vector<Scan> scans;
+      for (int k = 0; k < 1000; ++k) scans.push_back(quick.look(0.01 * k, {kSine}));
+      for (int k = 0; k < 10; ++k) scans.push_back(slow.look(0.505 + k, {kSine}));
+      LocalTracker both(params), one(params);
+      for (const Scan& scan : inOrder(scans)) {
+        const double t = seconds(scan.time - Time(std::chrono::seconds(1000)));
+        const ScanReport report = both.onScan(scan);
+        if (scan.sensor == "slow") {
+          EXPECT_EQ(report.associations.at(0).decision, Decision::accepted) << t;
+          continue;
+        }
+        const ScanReport reference = one.onScan(scan);
+        if (t < 2.0) continue;
+        EXPECT_EQ(confirmed(report).size(), 1u);
+        EXPECT_EQ(report.tracks.at(0).sources, (std::vector<std::string>{"camera", "slow"}));
+        together += std::pow(errorOf(report.tracks[0], kSine(t)), 2);
+        alone += std::pow(errorOf(reference.tracks.at(0), kSine(t)), 2);
+      }
+    }
+    EXPECT_LT(together, alone);
+  }
+}
+
+TEST(LocalTracker, ALatencyOf500MsBesideOneOf5MsChangesNothingOnceAllHasCome) {
+  Sensor near, far;
+  far.name = "far";
+  far.random.seed(2);
+  std::vector<std::pair<double, Scan>> arrivals;
+  for (int k = 0; k < 300; ++k) {
+    arrivals.emplace_back(0.02 * k + 0.005, near.look(0.02 * k, {kSine}));
+    arrivals.emplace_back(0.02 * k + 0.5, far.look(0.02 * k, {kSine}));
+  }
+  arrivals.emplace_back(8.0, near.look(6.3, {kSine}));  // after everything
+  std::vector<Scan> scans;
+  for (const auto& arrival : arrivals) scans.push_back(arrival.second);
+  std::stable_sort(arrivals.begin(), arrivals.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  LocalTracker in_order{LocalTrackerParams{}}, as_they_come{LocalTrackerParams{}};
+  ScanReport a, b;
+  for (const Scan& scan : inOrder(scans)) a = in_order.onScan(scan);
+  for (const auto& arrival : arrivals) {
+    b = as_they_come.onScan(arrival.second);
+    EXPECT_EQ(b.dropped, "");
+  }
+  EXPECT_EQ(bitsOf(a), bitsOf(b));
+  EXPECT_EQ(a.tracks.at(0).sources, (std::vector<std::string>{"camera", "far"}));
+}
+
+TEST(LocalTracker, ASensorThatStopsIsNotMissedAndComesBackAsIfNothingHadBeen) {
+  for (const EstimatorKind kind : {EstimatorKind::twbls, EstimatorKind::noga}) {
+    LocalTrackerParams params;
+    params.estimator.kind = kind;
+    LocalTracker tracker(params);
+    std::vector<Sensor> sensors(4);
+    std::vector<Scan> scans;
+    for (unsigned i = 0; i < 4; ++i) {
+      sensors[i].name = "sensor_" + std::to_string(i);
+      sensors[i].random.seed(i + 1);
+      for (int k = 0; k < 400; ++k) {
+        const double t = 0.03 * k + 0.007 * i;
+        if (i == 0 && t > 3.0 && t < 9.0) continue;
+        scans.push_back(sensors[i].look(t, {kSine}));
+      }
+    }
+    for (const Scan& scan : inOrder(scans)) {
+      const double t = seconds(scan.time - Time(std::chrono::seconds(1000)));
+      const ScanReport report = tracker.onScan(scan);
+      EXPECT_TRUE(report.changes.empty());
+      if (t < 1.0) continue;
+      const std::vector<Track> tracks = confirmed(report);
+      ASSERT_EQ(tracks.size(), 1u);
+      EXPECT_EQ(tracks[0].id, 1u);
+      EXPECT_LE(tracks[0].misses, 1u);
+      const auto& sources = tracks[0].sources;
+      const bool counts = std::count(sources.begin(), sources.end(), "sensor_0") == 1;
+      if (t > 5.1 && t < 9.0) {
+        EXPECT_FALSE(counts) << t;
+      }
+      if (t < 3.0 || t > 9.1) {
+        EXPECT_TRUE(counts) << t;
+      }
+    }
+  }
+}
+
 TEST(LocalTracker, CrossingTargetsKeepTheirIds) {
   LocalTracker tracker{LocalTrackerParams{}};
   Sensor sensor;
@@ -268,20 +385,6 @@ TEST(LocalTracker, TwoSensorsOfOneInstantMakeOneTrack) {
   }
   ASSERT_EQ(report.tracks.size(), 1u);
   EXPECT_EQ(report.tracks[0].sources, (std::vector<std::string>{"coarse", "fine"}));
-}
-
-/// Everything that a report says, so that two can be compared to the last bit.
-std::vector<double> bitsOf(const ScanReport& report) {
-  std::vector<double> bits{static_cast<double>(report.time.time_since_epoch().count())};
-  for (const Track& track : report.tracks) {
-    bits.push_back(track.id);
-    bits.push_back(static_cast<double>(track.status));
-    bits.insert(bits.end(), track.state.mean.data(), track.state.mean.data() + 4);
-    bits.insert(bits.end(), track.state.covariance.data(), track.state.covariance.data() + 16);
-    bits.push_back(track.hits);
-    bits.push_back(track.misses);
-  }
-  return bits;
 }
 
 TEST(LocalTracker, LateScansLeaveTheSameStateToTheLastBit) {
