@@ -179,8 +179,8 @@ std::vector<Contender> kalmanFilters(double scale, double outlier_share) {
     std::snprintf(label, sizeof label, "KF %s %g", name, q);
     all.push_back(contender(label, params));
   };
-  for (const double q : {0.001, 0.01, 0.03, 0.1, 0.3, 0.5, 0.8, 2.0}) add("CV", Kind::velocity, q);
-  for (const double q : {0.01, 0.1, 0.3, 0.6, 1.0, 3.0, 10.0, 30.0}) add("CA", Kind::acceleration, q);
+  for (const double q : {0.001, 0.01, 0.03, 0.1, 0.3, 0.5, 0.8, 2.0, 5.0}) add("CV", Kind::velocity, q);
+  for (const double q : {0.1, 0.3, 0.6, 1.0, 3.0, 10.0, 30.0}) add("CA", Kind::acceleration, q);
   return all;
 }
 
