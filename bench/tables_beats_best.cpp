@@ -189,7 +189,7 @@ void printBeatsBest(const Options& options) {
     for (const bool pair : {true, false}) {
       const char* sensors = pair ? "two of 8 %" : "six (3 x 8 %, 3 x 15 %)";
       printExperiment({scenario, sensors, pair ? two : six, "NOGA", noga}, options);
-      printExperiment({scenario, sensors, pair ? two : six, "TWBLS", twbls}, options);
+      if (!options.quick) printExperiment({scenario, sensors, pair ? two : six, "TWBLS", twbls}, options);
       printExperiment({scenario, sensors, pair ? two : six, "Kalman q = 0.3", kalman}, options);
     }
   }
