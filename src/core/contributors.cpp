@@ -88,6 +88,12 @@ double unsureness(const AngularState& state) {
   return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
 }
 
+bool nameTheirSensors(const GlobalTrack& track, const std::vector<std::size_t>& numbers) {
+  return std::none_of(numbers.begin(), numbers.end(), [&track](std::size_t number) {
+    return track.supporters()[number].track.sources.empty();
+  });
+}
+
 Contributors chooseContributors(const GlobalTrack& track, double coasting_age, bool allow_shared_sensors) {
   const auto by_key = [&track](std::size_t a, std::size_t b) {
     return track.supporters()[a].key < track.supporters()[b].key;

@@ -20,18 +20,6 @@ SourceTrack rowOf(const Supporter& supporter, Time now) {
   return row;
 }
 
-/// Each source's share in the fused position: the position block of its gain, which add up to one.
-std::vector<double> positionShares(const std::vector<Eigen::Matrix4d>& gains) {
-  std::vector<double> shares;
-  double sum = 0.0;
-  for (const Eigen::Matrix4d& gain : gains) {
-    shares.push_back(std::max(gain.topLeftCorner<2, 2>().trace(), 0.0));
-    sum += shares.back();
-  }
-  for (double& share : shares) share /= sum;
-  return shares;
-}
-
 /// What a global track has of its contributors beside the state.
 void summarize(const std::vector<const Track*>& contributors, Track& track) {
   track.status = TrackStatus::coasting;
@@ -54,9 +42,20 @@ void setState(const AngularState& state_tracking, Track& track) {
 
 }  // namespace
 
+std::vector<double> positionShares(const std::vector<Eigen::Matrix4d>& gains) {
+  std::vector<double> shares;
+  double sum = 0.0;
+  for (const Eigen::Matrix4d& gain : gains) {
+    shares.push_back(std::max(gain.topLeftCorner<2, 2>().trace(), 0.0));
+    sum += shares.back();
+  }
+  for (double& share : shares) share /= sum;
+  return shares;
+}
+
 void describeFusion(const GlobalTrack& track, const std::vector<std::size_t>& used,
-                    const FusedEstimate<4>& fused, const std::string& reporting, FusedTrack& description) {
-  const std::vector<double> shares = positionShares(fused.gains);
+                    const std::vector<double>& shares, const std::string& reporting,
+                    FusedTrack& description) {
   std::vector<const Track*> contributors;
   description.sources.clear();
   description.track.sources.clear();
@@ -71,7 +70,8 @@ void describeFusion(const GlobalTrack& track, const std::vector<std::size_t>& us
   summarize(contributors, description.track);
   // A single source passes through to the last bit.
   const Supporter& first = track.supporters()[used.front()];
-  const bool as_it_came = used.size() == 1 && first.reported == track.time();
+  const bool as_it_came =
+      used.size() == 1 && first.reported == track.time() && description.rule != FusionRule::tracklets;
   setState(as_it_came ? first.track.state : track.chart().toTracking(track.state()), description.track);
 }
 

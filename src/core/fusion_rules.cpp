@@ -275,6 +275,33 @@ std::optional<FusedEstimate<N>> inverseCovarianceIntersection(const Estimate<N>&
   return problem ? intersectInversely(*problem, inverseWeight(*problem)) : std::nullopt;
 }
 
+template <int N>
+std::optional<FusedEstimate<N>> inverseCovarianceIntersection(const std::vector<Estimate<N>>& sources) {
+  const auto problem = Problem<N>::of(sources);
+  if (!problem) return std::nullopt;
+  std::vector<std::pair<double, std::size_t>> surest_first;  // by the determinant of the covariance
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const Matrix<N> L = Eigen::LLT<Matrix<N>>(problem->covariances[i]).matrixL();
+    surest_first.emplace_back(L.diagonal().array().log().sum(), i);
+  }
+  std::stable_sort(surest_first.begin(), surest_first.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  const std::size_t first = surest_first.front().second;
+  FusedEstimate<N> fused{sources[first].mean, sources[first].covariance, {}};
+  fused.gains.assign(sources.size(), Matrix<N>::Zero());
+  fused.gains[first].setIdentity();
+  for (std::size_t k = 1; k < surest_first.size(); ++k) {
+    const std::size_t next = surest_first[k].second;
+    const auto pair = inverseCovarianceIntersection<N>({fused.mean, fused.covariance}, sources[next]);
+    if (!pair) return std::nullopt;
+    fused.mean = pair->mean;
+    fused.covariance = pair->covariance;
+    for (Matrix<N>& gain : fused.gains) gain = (pair->gains[0] * gain).eval();
+    fused.gains[next] = pair->gains[1];
+  }
+  return fused;
+}
+
 template std::optional<FusedEstimate<2>> weightedCovariance(const std::vector<Estimate<2>>&);
 template std::optional<FusedEstimate<2>> barShalomCampo(const Estimate<2>&, const Estimate<2>&,
                                                         const Eigen::Matrix2d&);
@@ -290,6 +317,7 @@ template std::optional<FusedEstimate<2>> inverseCovarianceIntersection(const Est
                                                                        double);
 template std::optional<FusedEstimate<2>> inverseCovarianceIntersection(const Estimate<2>&,
                                                                        const Estimate<2>&);
+template std::optional<FusedEstimate<2>> inverseCovarianceIntersection(const std::vector<Estimate<2>>&);
 template std::optional<FusedEstimate<4>> weightedCovariance(const std::vector<Estimate<4>>&);
 template std::optional<FusedEstimate<4>> barShalomCampo(const Estimate<4>&, const Estimate<4>&,
                                                         const Eigen::Matrix4d&);
@@ -305,5 +333,6 @@ template std::optional<FusedEstimate<4>> inverseCovarianceIntersection(const Est
                                                                        double);
 template std::optional<FusedEstimate<4>> inverseCovarianceIntersection(const Estimate<4>&,
                                                                        const Estimate<4>&);
+template std::optional<FusedEstimate<4>> inverseCovarianceIntersection(const std::vector<Estimate<4>>&);
 
 }  // namespace sightline::core

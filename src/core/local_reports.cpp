@@ -8,7 +8,9 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kPatience = 3.0;  // times max_age, with trackers that are ahead of one that goes on
+constexpr double kPaces = 3.0;           // usual intervals that a report always counts
+constexpr double kIntervalMemory = 0.2;  // share of the newest interval in the usual one
+constexpr double kPatience = 3.0;        // times max_age, with trackers that are ahead of one that goes on
 
 std::string invalidityOf(const Track& track) {
   if (track.id == 0) return "invalid: id 0 means no track; ids start at 1";
@@ -46,6 +48,13 @@ std::string LocalReports::refusal(const LocalReport& report) const {
 }
 
 void LocalReports::replace(Tracker& tracker, const LocalReport& report) const {
+  const double since_last = seconds(report.time - tracker.time);
+  const bool restarted = since_last < 0.0 || tracker.time == Time{};
+  if (restarted) {
+    tracker.interval = 0.0;
+  } else if (since_last > 0.0) {
+    tracker.interval += (tracker.interval > 0.0 ? kIntervalMemory : 1.0) * (since_last - tracker.interval);
+  }
   tracker.time = report.time;
   tracker.tracks.clear();
   tracker.surplus.clear();
@@ -82,6 +91,12 @@ void LocalReports::forgetThoseAhead(const std::string& reporting) {
     const bool ahead = seconds(entry->second.time - here) > params_.max_age;
     entry = ahead ? trackers_.erase(entry) : std::next(entry);
   }
+}
+
+double LocalReports::maxAge(const std::string& tracker) const {
+  const auto known = trackers_.find(tracker);
+  const double interval = known == trackers_.end() ? 0.0 : known->second.interval;
+  return std::min(std::max(params_.max_age, kPaces * interval), params_.forget_after);
 }
 
 Time LocalReports::newest() const {

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
+#include <Eigen/Cholesky>
+
 #include "sightline/core/assignment.h"
-#include "sightline/core/contributors.h"
 #include "sightline/core/fused_track.h"
 #include "sightline/core/sphere.h"
 
@@ -38,6 +41,21 @@ void check(const TrackFusionParams& params) {
         "max_age > 0 s and forget_after >= max_age are required");
   check(params.max_tracks >= 1 && params.reports.max_tracks >= 1 && params.reports.max_trackers >= 1,
         "limits >= 1 are required");
+  const TrackletFusionParams& tracklets = params.tracklets;
+  check(tracklets.max_lag > 0.0 && tracklets.memory > 0.0 && tracklets.max_missing >= 0.0 &&
+            tracklets.max_missing <= 1.0,
+        "tracklets: max_lag and memory > 0 s, max_missing in [0, 1] are required");
+  makeEstimator(tracklets.estimator);  // refuses what cannot work before the first tracklet comes
+}
+
+/// Tracklets are kept as long as a global track could still take them.
+TrackletMemoryParams memoryParams(const TrackFusionParams& params) {
+  return {params.tracklets.max_lag + params.tracklets.memory, params.reports.max_trackers};
+}
+
+bool isSound(const AngularState& state) {
+  return state.mean.allFinite() && state.covariance.allFinite() &&
+         Eigen::LLT<Eigen::Matrix4d>(state.covariance).info() == Eigen::Success;
 }
 
 }  // namespace
@@ -57,7 +75,8 @@ double chiSquareQuantile4(double probability) {
 TrackFusion::TrackFusion(const TrackFusionParams& params)
     : params_(params),
       join_threshold_(chiSquareQuantile4(params.gate_probability)),
-      reports_(params.reports) {
+      reports_(params.reports),
+      tracklets_(memoryParams(params)) {
   check(params);
 }
 
@@ -77,8 +96,13 @@ FusionReport TrackFusion::onReport(const LocalReport& report) {
   return latest_;
 }
 
+std::string TrackFusion::onTracklets(const TrackletReport& report) {
+  return tracklets_.take(report);
+}
+
 void TrackFusion::reset() {
   reports_ = LocalReports(params_.reports);
+  tracklets_ = TrackletMemory(memoryParams(params_));
   entries_.clear();
   time_ = {};
   latest_ = {};
@@ -95,16 +119,16 @@ void TrackFusion::follow(const std::string& reporting) {
       // A track that was believed does not become tentative: its tracker started again and gave the id to
       // another.
       if (local == nullptr || local->track.status == TrackStatus::tentative) {
-        entry.track.leave(i);
+        leave(entry, i);
         continue;
       }
-      const std::string why = whyUnusable(*local);
+      const std::string why = whyUnusable(key.tracker, *local);
       entry.track.setUnusable(i, why);
       if (!why.empty() || key.tracker != reporting) continue;
       const double surprise = entry.track.renew(i, *local);
       const bool is_another =
           local->track.hits < hits_before && surprise > params_.leave_factor * join_threshold_;
-      if (is_another) entry.track.leave(i);
+      if (is_another) leave(entry, i);
     }
   }
 }
@@ -117,7 +141,7 @@ void TrackFusion::separate(const std::string& reporting) {
         entry.track.leaveOutContradictions(params_.registration_sigma, threshold, reporting);
     for (auto number = contradicting.rbegin(); number != contradicting.rend(); ++number) {
       const Time since = *entry.track.supporters()[*number].contradicts_since;
-      if (seconds(time_ - since) >= params_.leave_after) entry.track.leave(*number);
+      if (seconds(time_ - since) >= params_.leave_after) leave(entry, *number);
     }
   }
 }
@@ -199,37 +223,118 @@ void TrackFusion::start(const LocalKey& key) {
   const LocalTrack& local = *reports_.find(key);
   if (local.track.status != TrackStatus::confirmed) return;
   if (entries_.size() >= static_cast<std::size_t>(params_.max_tracks)) return;
-  Entry entry{GlobalTrack(next_id_++, time_, key, local, params_.process_noise), {}};
-  entry.report.rule = params_.rule;
+  Entry entry{GlobalTrack(next_id_++, time_, key, local, params_.process_noise),
+              TrackletFusion(params_.tracklets),
+              {}};
   entry.report.track.id = entry.track.id();
   entries_.push_back(std::move(entry));
 }
 
-void TrackFusion::fuse(Entry& entry, const std::string& reporting) const {
-  const bool any_correlation = params_.rule == FusionRule::covariance_intersection;
-  Contributors choice =
-      chooseContributors(entry.track, params_.coasting_age, any_correlation || params_.allow_shared_sensors);
-  std::optional<FusedEstimate<4>> fused = combine(entry.track, choice.used);
-  if (!fused && choice.used.size() > 1) {
-    // Not reachable with covariances that passed the checks, but an operator should read it if it is.
-    for (std::size_t i = 1; i < choice.used.size(); ++i) {
-      choice.left_out.emplace_back(choice.used[i],
-                                   "undetermined: the rule has no solution for these covariances");
-    }
-    choice.used.resize(1);
-    fused = combine(entry.track, choice.used);
-  }
+/// A supporter goes. What it says from now on does not count; what it said while it contradicted is taken
+/// back.
+void TrackFusion::leave(Entry& entry, std::size_t supporter) const {
+  const Supporter& leaving = entry.track.supporters()[supporter];
+  if (leaving.contradicts_since) entry.tracklets.takeBack(leaving.key, *leaving.contradicts_since);
+  entry.tracklets.leave(leaving.key);
+  entry.track.leave(supporter);
+}
 
-  describeLeftOut(entry.track, choice.left_out, entry.report);
-  if (fused) {
-    entry.track.setFused(choice.used, {fused->mean, fused->covariance});
-    describeFusion(entry.track, choice.used, *fused, reporting, entry.report);
-  } else {
+void TrackFusion::fuse(Entry& entry, const std::string& reporting) {
+  feedTracklets(entry);
+  std::optional<Outcome> outcome = fromTracklets(entry);
+  if (!outcome) outcome = fromTracks(entry);
+  entry.report.rule = outcome->rule;
+  describeLeftOut(entry.track, outcome->choice.left_out, entry.report);
+  if (outcome->choice.used.empty()) {
     describeCoasting(entry.track, entry.report);
+  } else {
+    entry.track.setFused(outcome->choice.used, outcome->state);
+    describeFusion(entry.track, outcome->choice.used, outcome->shares, reporting, entry.report);
   }
 }
 
-std::optional<FusedEstimate<4>> TrackFusion::combine(const GlobalTrack& track,
+/// The supporters' tracklets go into the global track; those of one that contradicts the others are taken
+/// back from when that began.
+void TrackFusion::feedTracklets(Entry& entry) {
+  const std::size_t late_before = entry.tracklets.late();
+  for (const Supporter& supporter : entry.track.supporters()) {
+    const bool contradicts = !supporter.unusable.empty() && supporter.contradicts_since;
+    if (contradicts) {
+      entry.tracklets.takeBack(supporter.key, *supporter.contradicts_since);
+    } else {
+      entry.tracklets.feed(supporter, tracklets_);
+    }
+  }
+  late_tracklets_ += entry.tracklets.late() - late_before;
+}
+
+/// The state by the supporters' tracklets, if that is the rule and they are good enough. A single local track
+/// that is all there is goes through as it is.
+std::optional<TrackFusion::Outcome> TrackFusion::fromTracklets(Entry& entry) {
+  std::string& why_not = entry.report.why_not_tracklets;
+  why_not.clear();
+  if (params_.rule != FusionRule::best && params_.rule != FusionRule::tracklets) return std::nullopt;
+  Outcome outcome{FusionRule::tracklets, chooseContributors(entry.track, params_.coasting_age, true), {}, {}};
+  const std::vector<std::size_t>& used = outcome.choice.used;
+  std::map<LocalKey, double> shares = entry.tracklets.shares();
+  if (used.empty() || (used.size() == 1 && shares.size() <= 1)) return std::nullopt;
+
+  std::vector<const Supporter*> supporters;
+  for (const std::size_t number : used) supporters.push_back(&entry.track.supporters()[number]);
+  why_not = whyIncomplete(supporters, tracklets_, params_.tracklets);
+  if (!why_not.empty() && params_.rule == FusionRule::best) return std::nullopt;
+  const auto state = entry.tracklets.stateAt(time_);
+  if (!state || !isSound(*state)) {
+    why_not = state ? "tracklets give no usable covariance" : "no tracklets yet";
+    return std::nullopt;
+  }
+  outcome.state = entry.track.chart().fromTracking(*state);
+  const double distance_squared = distanceSquared({outcome.state.mean, outcome.state.covariance},
+                                                  entry.track.opinion(), params_.registration_sigma);
+  if (!(distance_squared <= params_.leave_factor * join_threshold_)) {
+    why_not = "tracklets contradict the tracks: distance squared " + std::to_string(distance_squared);
+    return std::nullopt;
+  }
+  for (const Supporter* supporter : supporters) outcome.shares.push_back(shares[supporter->key]);
+  const double sum = std::accumulate(outcome.shares.begin(), outcome.shares.end(), 0.0);
+  if (!(sum > 0.0)) return std::nullopt;
+  for (double& share : outcome.shares) share /= sum;
+  return outcome;
+}
+
+/// The state by the supporters' states.
+TrackFusion::Outcome TrackFusion::fromTracks(const Entry& entry) const {
+  const GlobalTrack& track = entry.track;
+  FusionRule rule = params_.rule;
+  if (rule == FusionRule::best || rule == FusionRule::tracklets) {
+    rule = nameTheirSensors(track, track.usable()) ? FusionRule::cross_covariance
+                                                   : FusionRule::covariance_intersection;
+  }
+  const bool any_correlation = rule == FusionRule::covariance_intersection;
+  Outcome outcome{
+      rule,
+      chooseContributors(track, params_.coasting_age, any_correlation || params_.allow_shared_sensors),
+      {},
+      {}};
+  std::vector<std::size_t>& used = outcome.choice.used;
+  std::optional<FusedEstimate<4>> fused = combine(rule, track, used);
+  if (!fused && used.size() > 1) {
+    // Not reachable with covariances that passed the checks, but an operator should read it if it is.
+    for (std::size_t i = 1; i < used.size(); ++i) {
+      outcome.choice.left_out.emplace_back(used[i],
+                                           "undetermined: the rule has no solution for these covariances");
+    }
+    used.resize(1);
+    fused = combine(rule, track, used);
+  }
+  if (fused) {
+    outcome.state = {fused->mean, fused->covariance};
+    outcome.shares = positionShares(fused->gains);
+  }
+  return outcome;
+}
+
+std::optional<FusedEstimate<4>> TrackFusion::combine(FusionRule rule, const GlobalTrack& track,
                                                      const std::vector<std::size_t>& used) const {
   std::vector<Estimate<4>> estimates;
   for (const std::size_t number : used) {
@@ -240,15 +345,16 @@ std::optional<FusedEstimate<4>> TrackFusion::combine(const GlobalTrack& track,
   if (estimates.size() == 1) {
     return FusedEstimate<4>{estimates[0].mean, estimates[0].covariance, {Eigen::Matrix4d::Identity()}};
   }
-  switch (params_.rule) {
+  switch (rule) {
     case FusionRule::weighted_covariance:
       return weightedCovariance(estimates);
-    case FusionRule::cross_covariance:
-      return maximumLikelihood(estimates, track.crossCovariance().joint(estimates, used));
     case FusionRule::covariance_intersection:
       return covarianceIntersection(estimates, params_.intersection_weights);
+    case FusionRule::inverse_covariance_intersection:
+      return inverseCovarianceIntersection(estimates);
+    default:
+      return maximumLikelihood(estimates, track.crossCovariance().joint(estimates, used));
   }
-  return std::nullopt;
 }
 
 void TrackFusion::dropSilent() {
@@ -270,7 +376,7 @@ FusionReport TrackFusion::describe() const {
     };
     for (const auto& [id, local] : tracker.tracks) {
       if (isSupporter({name, id})) continue;
-      std::string why = whyUnusable(local);
+      std::string why = whyUnusable(name, local);
       if (why.empty() && local.track.status == TrackStatus::coasting)
         why = "coasting: it cannot start a global track";
       if (why.empty())
@@ -293,14 +399,14 @@ FusionReport TrackFusion::refused(const LocalReport& report, const std::string& 
   return result;
 }
 
-std::string TrackFusion::whyUnusable(const LocalTrack& local) const {
+std::string TrackFusion::whyUnusable(const std::string& tracker, const LocalTrack& local) const {
   if (!local.invalid.empty()) return local.invalid;
   if (local.track.status == TrackStatus::tentative) return "tentative: its tracker does not believe it yet";
   const double age = reports_.age(local.time);
-  if (age <= params_.reports.max_age) return {};
+  const double max_age = reports_.maxAge(tracker);
+  if (age <= max_age) return {};
   std::ostringstream why;
-  why << "stale: the report is " << age << " s older than the newest (max_age " << params_.reports.max_age
-      << " s)";
+  why << "stale: the report is " << age << " s older than the newest (max_age " << max_age << " s)";
   return why.str();
 }
 
@@ -316,7 +422,7 @@ bool TrackFusion::isSupporter(const LocalKey& key) const {
 std::vector<TrackFusion::Row> TrackFusion::freeTracksOf(const std::string& tracker) const {
   std::vector<Row> free;
   for (const auto& [id, local] : reports_.trackers().at(tracker).tracks) {
-    if (!whyUnusable(local).empty() || isSupporter({tracker, id})) continue;
+    if (!whyUnusable(tracker, local).empty() || isSupporter({tracker, id})) continue;
     free.push_back({LocalKey{tracker, id}, 0, local.track.state, local.time});
   }
   return free;

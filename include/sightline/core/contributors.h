@@ -21,6 +21,9 @@ struct Contributors {
 /// other is clearly surer.
 Contributors chooseContributors(const GlobalTrack& track, double coasting_age, bool allow_shared_sensors);
 
+/// Whether each of these supporters names the sensors that it has its state from.
+bool nameTheirSensors(const GlobalTrack& track, const std::vector<std::size_t>& numbers);
+
 /// Log of the covariance's determinant, infinite where it is not positive definite: how unsure a state is.
 double unsureness(const AngularState& state);
 

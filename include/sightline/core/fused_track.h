@@ -12,10 +12,13 @@
 /// What is said of a global track after a fusion.
 namespace sightline::core {
 
-/// Says that `used` made the track's state, with these gains; `reporting` is the tracker whose report caused
+/// Each source's share in the fused position, summing to one: by the position block of its gain.
+std::vector<double> positionShares(const std::vector<Eigen::Matrix4d>& gains);
+
+/// Says that `used` made the track's state, with these shares; `reporting` is the tracker whose report caused
 /// the fusion.
 void describeFusion(const GlobalTrack& track, const std::vector<std::size_t>& used,
-                    const FusedEstimate<4>& fused, const std::string& reporting, FusedTrack& description);
+                    const std::vector<double>& shares, const std::string& reporting, FusedTrack& description);
 
 /// Says that nobody did, and the state is a prediction.
 void describeCoasting(const GlobalTrack& track, FusedTrack& description);

@@ -10,14 +10,20 @@
 
 namespace sightline::core {
 
-/// How local tracks of one target become one; the rules themselves are in fusion_rules.h.
+/// How local tracks of one target become one; the rules for estimates are in fusion_rules.h.
 enum class FusionRule {
-  weighted_covariance,      ///< the paper's: errors taken as independent
-  cross_covariance,         ///< Bar-Shalom and Campo, maximum likelihood for more than two
-  covariance_intersection,  ///< whatever the correlation is
+  best,                             ///< the best that the inputs allow, decided for each track at each fusion
+  tracklets,                        ///< an estimator of the global track's own, on its supporters' tracklets
+  cross_covariance,                 ///< Bar-Shalom and Campo, maximum likelihood for more than two
+  weighted_covariance,              ///< the paper's: errors taken as independent
+  covariance_intersection,          ///< whatever the correlation is
+  inverse_covariance_intersection,  ///< for sources that know something in common
 };
 
-/// weighted_covariance, cross_covariance, covariance_intersection.
+/// All of them, in that order.
+const std::vector<FusionRule>& fusionRules();
+
+/// The name as it is written above.
 std::string nameOf(FusionRule rule);
 
 /// A local track's part in a global one: the fields of sightline/SourceTrack.
@@ -34,7 +40,8 @@ struct SourceTrack {
 /// A global track and what it was made of.
 struct FusedTrack {
   Track track;  ///< `sources` are the names of the trackers that contribute
-  FusionRule rule = FusionRule::weighted_covariance;
+  FusionRule rule = FusionRule::weighted_covariance;  ///< that was applied
+  std::string why_not_tracklets;      ///< when the rule was to be the best one, and tracklets were not
   std::vector<SourceTrack> sources;   ///< that contributed, by tracker name; none: the state is a prediction
   std::vector<SourceTrack> left_out;  ///< that belong to the target and were not used
 };

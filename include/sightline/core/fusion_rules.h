@@ -84,4 +84,8 @@ std::optional<FusedEstimate<N>> inverseCovarianceIntersection(const Estimate<N>&
 template <int N>
 std::optional<FusedEstimate<N>> inverseCovarianceIntersection(const Estimate<N>& a, const Estimate<N>& b);
 
+/// The same for any number of sources: the surest first, one after the other is taken in.
+template <int N>
+std::optional<FusedEstimate<N>> inverseCovarianceIntersection(const std::vector<Estimate<N>>& sources);
+
 }  // namespace sightline::core

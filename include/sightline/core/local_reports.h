@@ -41,7 +41,8 @@ struct LocalTrack {
 };
 
 struct LocalReportsParams {
-  double max_age = 1.0;        ///< beyond, a report does not count any more [s], > 0
+  double max_age = 1.0;        ///< beyond, a report does not count any more [s], > 0; at least three of its
+                               ///< tracker's usual intervals
   double forget_after = 10.0;  ///< silence after which a tracker is forgotten [s], >= max_age
   int max_trackers = 32;       ///< reports of further trackers are refused, >= 1
   int max_tracks = 256;        ///< of one report; the rest is left out, >= 1
@@ -58,6 +59,7 @@ class LocalReports {
  public:
   struct Tracker {
     Time time{};
+    double interval = 0.0;  ///< usual time between its reports [s]; 0 = not known yet
     std::map<std::uint32_t, LocalTrack> tracks;
     std::map<std::uint32_t, std::string> surplus;  ///< tracks that were not taken over: why
     std::optional<Time> behind_since;              ///< its stamp when it first lagged behind the common time
@@ -73,6 +75,9 @@ class LocalReports {
 
   /// How much older than the newest [s].
   double age(Time time) const { return seconds(newest() - time); }
+
+  /// How old a report of this tracker may be and still count [s].
+  double maxAge(const std::string& tracker) const;
 
   /// By name.
   const std::map<std::string, Tracker>& trackers() const { return trackers_; }

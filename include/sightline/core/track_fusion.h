@@ -9,16 +9,19 @@
 
 #include <Eigen/Core>
 
+#include "sightline/core/contributors.h"
 #include "sightline/core/fusion_report.h"
 #include "sightline/core/fusion_rules.h"
 #include "sightline/core/global_track.h"
 #include "sightline/core/local_reports.h"
 #include "sightline/core/time.h"
+#include "sightline/core/tracklet_fusion.h"
+#include "sightline/core/tracklet_memory.h"
 
 namespace sightline::core {
 
 struct TrackFusionParams {
-  FusionRule rule = FusionRule::cross_covariance;
+  FusionRule rule = FusionRule::best;
   IntersectionWeights intersection_weights =
       IntersectionWeights::determinant;  ///< for covariance_intersection
 
@@ -38,13 +41,17 @@ struct TrackFusionParams {
   bool allow_shared_sensors = false;  ///< fuse local tracks that list a sensor in common as if they did not
   int max_tracks = 256;               ///< no global track is started beyond, >= 1
   LocalReportsParams reports;
+  TrackletFusionParams tracklets;
 };
 
 /// Fuses the tracks of several local trackers into global ones. All trackers must report in the same frame,
 /// as seen from the same point.
 ///
 /// A global track is the fusion of its supporters - at most one local track of each tracker - at the newest
-/// stamp reported; it is never filtered over time and never fed back. Who supports whom is remembered. A
+/// stamp reported, and never fed back. Who supports whom is remembered. With the rule `tracklets` its state
+/// is that of an estimator of its own, run over all that its supporters' sensors have sighted; with the
+/// others it is made of their states, and not filtered over time. `best` takes tracklets where they are
+/// complete, or else cross_covariance, or covariance_intersection where sensors are not named. A
 /// supporter that contradicts the others taken together (not itself included) by more than `leave_factor`
 /// gates is left out, the worst first, and goes if that lasts for `leave_after`; everybody else is assigned
 /// to the nearest within the gate. Confirmed tracks that belong nowhere start a global track; two global
@@ -54,8 +61,8 @@ struct TrackFusionParams {
 /// coasting tracks not seen for longer than `coasting_age`, unless nothing better is there (so that a global
 /// track lives as long as a local one); tracks that share a sensor with a surer one, as the same sightings
 /// would count twice, unless the rule is covariance_intersection, which holds for any correlation, or
-/// `allow_shared_sensors`. A tracker's own name counts as a sensor of its, so that a fusion and what it was
-/// made of are not fused again.
+/// tracklets, which tell sightings apart, or `allow_shared_sensors`. A tracker's own name counts as a sensor
+/// of its, so that a fusion and what it was made of are not fused again.
 class TrackFusion {
  public:
   /// Throws std::invalid_argument for parameters out of their range.
@@ -64,6 +71,13 @@ class TrackFusion {
   /// Takes a report and fuses. Never throws for what is in it; at most one report of a tracker is remembered.
   FusionReport onReport(const LocalReport& report);
 
+  /// Takes tracklets of a local tracker, for the fusions that follow; best before its tracks of the same
+  /// stamp. Returns why they were refused ("kind: details"), or nothing.
+  std::string onTracklets(const TrackletReport& report);
+
+  /// Tracklets that came too late to be used.
+  std::size_t lateTracklets() const { return late_tracklets_; }
+
   /// Forgets all reports and tracks; ids go on.
   void reset();
 
@@ -71,7 +85,16 @@ class TrackFusion {
   /// A global track and what was last said of it.
   struct Entry {
     GlobalTrack track;
+    TrackletFusion tracklets;
     FusedTrack report;
+  };
+
+  /// A global track's new state, in its chart, and who made it.
+  struct Outcome {
+    FusionRule rule;
+    Contributors choice;
+    AngularState state;
+    std::vector<double> shares;  // of choice.used
   };
 
   /// A local track without a global one, or (without key) a global track: something to be assigned.
@@ -88,20 +111,26 @@ class TrackFusion {
   Eigen::MatrixXd distances(const std::vector<Row>& rows, const std::vector<std::size_t>& columns) const;
   void unite(const std::vector<std::pair<std::size_t, std::size_t>>& pairs);
   void start(const LocalKey& key);
-  void fuse(Entry& entry, const std::string& reporting) const;
-  std::optional<FusedEstimate<4>> combine(const GlobalTrack& track,
+  void fuse(Entry& entry, const std::string& reporting);
+  void feedTracklets(Entry& entry);
+  std::optional<Outcome> fromTracklets(Entry& entry);
+  Outcome fromTracks(const Entry& entry) const;
+  std::optional<FusedEstimate<4>> combine(FusionRule rule, const GlobalTrack& track,
                                           const std::vector<std::size_t>& used) const;
+  void leave(Entry& entry, std::size_t supporter) const;
   void dropSilent();
   FusionReport describe() const;
   FusionReport refused(const LocalReport& report, const std::string& why) const;
 
-  std::string whyUnusable(const LocalTrack& local) const;
+  std::string whyUnusable(const std::string& tracker, const LocalTrack& local) const;
   bool isSupporter(const LocalKey& key) const;
   std::vector<Row> freeTracksOf(const std::string& tracker) const;
 
   TrackFusionParams params_;
   double join_threshold_;  // of distances squared
   LocalReports reports_;
+  TrackletMemory tracklets_;
+  std::size_t late_tracklets_ = 0;
   Time time_{};
   std::uint32_t next_id_ = 1;
   std::vector<Entry> entries_;  // ascending id

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+
+#include "sightline/core/chart.h"
+#include "sightline/core/estimator.h"
+#include "sightline/core/sphere.h"
+#include "sightline/core/time.h"
+#include "sightline/core/tracklet.h"
+
+namespace sightline::core {
+
+/// An estimator and the chart it works in, which follows the target over the sphere. Copies are deep.
+class ChartedEstimator {
+ public:
+  /// Starts with the first tracklet of a target.
+  ChartedEstimator(std::unique_ptr<Estimator> estimator, const Tracklet& first);
+
+  ChartedEstimator(const ChartedEstimator& other);
+  ChartedEstimator(ChartedEstimator&&) = default;
+  ChartedEstimator& operator=(ChartedEstimator&&) = default;
+  ChartedEstimator& operator=(const ChartedEstimator&) = delete;
+  ~ChartedEstimator() = default;
+
+  /// Takes a tracklet, not older than the last one. Moves to a new chart first when the target is expected to
+  /// leave the present one.
+  void update(const Tracklet& tracklet);
+
+  /// Motion expected at `time`, in the tracking frame's angles.
+  AngularState stateAt(Time time) const;
+
+ private:
+  void follow(Time time);
+  Measurement measurementOf(const Tracklet& tracklet) const;
+
+  Chart chart_;
+  std::unique_ptr<Estimator> estimator_;
+};
+
+}  // namespace sightline::core

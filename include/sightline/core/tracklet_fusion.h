@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/core/estimators.h"
+#include "sightline/core/global_track.h"
+#include "sightline/core/local_reports.h"
+#include "sightline/core/time.h"
+#include "sightline/core/tracklet_memory.h"
+#include "sightline/core/tracklet_track.h"
+
+namespace sightline::core {
+
+struct TrackletFusionParams {
+  EstimatorParams estimator;  ///< of the global tracks
+  double max_lag = 1.0;  ///< tracklets up to so much older than the newest are put in their place [s], > 0
+  double memory = 1.0;   ///< time that counts for `max_missing` [s], > 0
+  /// Share of what the sources have sighted within `memory` that may be lost before other rules know more, in
+  /// [0, 1].
+  double max_missing = 0.25;
+};
+
+/// A global track's state from its supporters' tracklets. Each sensor's come from one supporter at a time, so
+/// that a sensor that is in two local tracks counts once.
+class TrackletFusion {
+ public:
+  explicit TrackletFusion(const TrackletFusionParams& params);
+
+  /// Takes what is new in the tracklets of the supporter, up to its last report of tracks, with which it was
+  /// found to support the target.
+  void feed(const Supporter& supporter, const TrackletMemory& memory);
+
+  /// Takes back what the supporter said since then; a later `feed` may bring it again.
+  void takeBack(const LocalKey& supporter, Time since);
+
+  /// The supporter is gone: others may speak for its sensors. What it said stays.
+  void leave(const LocalKey& supporter);
+
+  /// What all tracklets up to `time` say, in the tracking frame; nullopt without any.
+  std::optional<AngularState> stateAt(Time time) { return track_.stateAt(time); }
+
+  /// Each supporter's share in the information of the last moments, summing to one; of those that gave any.
+  std::map<LocalKey, double> shares() const;
+
+  std::size_t late() const { return late_; }  ///< tracklets that came too late to be used
+
+ private:
+  struct Owner {
+    LocalKey supporter;
+    Time newest{};  ///< of its tracklets of the sensor
+  };
+
+  bool speaksFor(const LocalKey& supporter, const Tracklet& tracklet);
+
+  TrackletTrack track_;
+  std::map<LocalKey, std::uint64_t> fed_;  // by supporter: number of the last tracklet taken
+  std::map<std::string, Owner> owners_;    // by sensor
+  std::size_t late_ = 0;
+};
+
+/// Why the tracklets of these supporters are not good enough to rely on; empty when they are: everyone sends
+/// them, up to date, and little was lost.
+std::string whyIncomplete(const std::vector<const Supporter*>& supporters, const TrackletMemory& memory,
+                          const TrackletFusionParams& params);
+
+}  // namespace sightline::core

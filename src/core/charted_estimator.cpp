@@ -1,0 +1,42 @@
+#include "sightline/core/charted_estimator.h"
+
+#include <utility>
+
+namespace sightline::core {
+
+ChartedEstimator::ChartedEstimator(std::unique_ptr<Estimator> estimator, const Tracklet& first)
+    : chart_(Chart::around(first.sighting.direction)), estimator_(std::move(estimator)) {
+  estimator_->update(measurementOf(first));
+}
+
+ChartedEstimator::ChartedEstimator(const ChartedEstimator& other)
+    : chart_(other.chart_), estimator_(other.estimator_->clone()) {}
+
+void ChartedEstimator::update(const Tracklet& tracklet) {
+  follow(tracklet.time);
+  estimator_->update(measurementOf(tracklet));
+}
+
+AngularState ChartedEstimator::stateAt(Time time) const {
+  return chart_.toTracking(*estimator_->stateAt(time));  // determined since the first tracklet
+}
+
+void ChartedEstimator::follow(Time time) {
+  const Eigen::Vector2d expected = estimator_->stateAt(time)->angles();
+  if (chart_.holds(expected)) return;
+  const Chart next = chart_.following(chart_.directionAt(expected));
+  estimator_->rotate(next.R_chart_tracking() * chart_.R_chart_tracking().transpose());
+  chart_ = next;
+}
+
+Measurement ChartedEstimator::measurementOf(const Tracklet& tracklet) const {
+  Measurement measurement;
+  measurement.time = tracklet.time;
+  measurement.position = chart_.coordinatesOf(tracklet.sighting.direction);
+  measurement.covariance = chart_.covarianceOf(tracklet.sighting);
+  measurement.ifov = tracklet.ifov;
+  measurement.sightings = tracklet.sightings;
+  return measurement;
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,84 @@
+#include "sightline/core/tracklet_fusion.h"
+
+#include <algorithm>
+#include <sstream>
+
+namespace sightline::core {
+namespace {
+
+constexpr double kOwnerSilence = 0.5;  // after which another supporter speaks for a sensor [s]
+
+}  // namespace
+
+TrackletFusion::TrackletFusion(const TrackletFusionParams& params)
+    : track_(params.estimator, params.max_lag) {}
+
+void TrackletFusion::feed(const Supporter& supporter, const TrackletMemory& memory) {
+  const auto* remembered = memory.find(supporter.key);
+  if (remembered == nullptr) return;
+  std::uint64_t& fed = fed_[supporter.key];
+  for (const TrackletMemory::Remembered& it : *remembered) {
+    if (it.number <= fed) continue;
+    if (it.tracklet.time > supporter.reported) return;
+    fed = it.number;
+    if (speaksFor(supporter.key, it.tracklet) && !track_.add(supporter.key, it.number, it.tracklet)) ++late_;
+  }
+}
+
+/// Whether the supporter is the one whose tracklets of this sensor are taken.
+bool TrackletFusion::speaksFor(const LocalKey& supporter, const Tracklet& tracklet) {
+  const auto [it, is_new] = owners_.try_emplace(tracklet.sensor, Owner{supporter, tracklet.time});
+  Owner& owner = it->second;
+  if (!(owner.supporter == supporter)) {
+    if (seconds(tracklet.time - owner.newest) <= kOwnerSilence) return false;
+    owner.supporter = supporter;
+  }
+  owner.newest = std::max(owner.newest, tracklet.time);
+  return true;
+}
+
+void TrackletFusion::takeBack(const LocalKey& supporter, Time since) {
+  if (const auto least = track_.remove(supporter, since)) fed_[supporter] = *least - 1;
+}
+
+void TrackletFusion::leave(const LocalKey& supporter) {
+  fed_.erase(supporter);
+  for (auto it = owners_.begin(); it != owners_.end();)
+    it = it->second.supporter == supporter ? owners_.erase(it) : std::next(it);
+}
+
+std::map<LocalKey, double> TrackletFusion::shares() const {
+  std::map<LocalKey, double> shares = track_.informationBySource();
+  double sum = 0.0;
+  for (const auto& [key, information] : shares) sum += information;
+  for (auto& [key, information] : shares) information /= sum;
+  return shares;
+}
+
+std::string whyIncomplete(const std::vector<const Supporter*>& supporters, const TrackletMemory& memory,
+                          const TrackletFusionParams& params) {
+  std::ostringstream why;
+  double missing = 0.0;
+  for (const Supporter* supporter : supporters) {
+    const std::string& tracker = supporter->key.tracker;
+    const auto newest = memory.newest(tracker);
+    if (!newest) {
+      why << "no tracklets from " << tracker;
+      return why.str();
+    }
+    const double lag = seconds(supporter->reported - *newest);
+    if (lag > params.max_lag) {
+      why << "tracklets of " << tracker << " are " << lag << " s behind its tracks (max_lag "
+          << params.max_lag << " s)";
+      return why.str();
+    }
+    missing += memory.missing(tracker, *newest - durationOf(params.memory)) / params.memory;
+  }
+  const double share = missing / static_cast<double>(supporters.size());
+  if (share <= params.max_missing) return {};
+  why << "tracklets lost: " << 100.0 * share << " % of the last " << params.memory << " s (max_missing "
+      << 100.0 * params.max_missing << " %)";
+  return why.str();
+}
+
+}  // namespace sightline::core
