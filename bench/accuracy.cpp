@@ -35,6 +35,7 @@ constexpr Table kTables[] = {{"paper", printPaper},
                              {"recordings", printRecordings},
                              {"consistency", printConsistency},
                              {"degraded", printDegraded},
+                             {"track-fusion", printTrackFusion},
                              {"beats-best", printBeatsBest}};
 
 int numberOf(const std::string& option, const std::string& text, int least) {

@@ -30,6 +30,7 @@ void printScale(const Options& options);        ///< the same at every angular s
 void printRecordings(const Options& options);   ///< recorded sightings, section 8
 void printConsistency(const Options& options);  ///< ANEES of what is published
 void printDegraded(const Options& options);     ///< one of six sensors degrades unannounced: the guard
+void printTrackFusion(const Options& options);  ///< fusion rules against the central tracker
 void printBeatsBest(const Options& options);    ///< fused tracks against the best local one
 
 }  // namespace sightline::bench

@@ -6,6 +6,7 @@
 
 #include "sightline/ros/conversions.h"
 #include "sightline/ros/tracker_params.h"
+#include "sightline/ros/tracklet_messages.h"
 
 namespace sightline_ros {
 
@@ -54,17 +55,20 @@ sightline::AssociationArray::Ptr associationArray(const std::vector<core::Associ
 
 LocalTrackerComponent::LocalTrackerComponent(const ParamReader& reader, const std::string& name,
                                              const tf2::BufferCore& transforms)
-    : LocalTrackerComponent(loadLocalTrackerParams(reader), loadFrameChangeParams(reader),
-                            nameFrom(reader, name), transforms) {}
+    : LocalTrackerComponent(loadLocalTrackerParams(reader), loadTrackletParams(reader.sub("tracklets")),
+                            loadFrameChangeParams(reader), nameFrom(reader, name), transforms) {}
 
 LocalTrackerComponent::LocalTrackerComponent(const core::LocalTrackerParams& tracker,
+                                             const core::TrackletParams& tracklets,
                                              const FrameChangeParams& frames, std::string name,
                                              const tf2::BufferCore& transforms)
     : name_(std::move(name)),
       estimator_(nameOf(tracker.estimator.kind)),
       max_lag_(tracker.max_lag),
       frames_(frames, transforms),
-      tracker_(tracker) {}
+      tracker_(tracker) {
+  if (tracklets.enabled) tracklets_.emplace(tracklets);
+}
 
 std::vector<TrackerReport> LocalTrackerComponent::onScan(const sightline::SightingArray::ConstPtr& scan,
                                                          core::Time now) {
@@ -76,6 +80,10 @@ std::vector<TrackerReport> LocalTrackerComponent::onTransforms(core::Time now) {
   std::vector<TrackerReport> reports;
   for (FramedScan& framed : frames_.release(now)) reports.push_back(track(framed));
   return reports;
+}
+
+sightline::TrackletArray::Ptr LocalTrackerComponent::overdueTracklets(core::Time now) {
+  return tracklets_ ? trackletArray(tracklets_->onTime(now)) : nullptr;
 }
 
 TrackerReport LocalTrackerComponent::track(FramedScan& framed) {
@@ -92,6 +100,7 @@ TrackerReport LocalTrackerComponent::track(FramedScan& framed) {
     report.notice = tracked.notice;
     report.changes = std::move(tracked.changes);
     if (tracked.dropped.empty()) report.tracks = trackArray(tracked);
+    if (tracklets_) report.tracklets = trackletArray(tracklets_->onScan(framed.scan, tracked));
     associations = std::move(tracked.associations);
   } else {
     associations = allRejected(framed.message->sightings.size(), report.drop_detail);
@@ -102,6 +111,13 @@ TrackerReport LocalTrackerComponent::track(FramedScan& framed) {
       static_cast<std::size_t>(std::count_if(associations.begin(), associations.end(), isRejected));
   report.associations = associationArray(associations, *framed.message, trackingFrame());
   return report;
+}
+
+sightline::TrackletArray::Ptr LocalTrackerComponent::trackletArray(
+    std::optional<core::TrackletReport> report) const {
+  if (!report) return nullptr;
+  report->tracker = name_;
+  return boost::make_shared<sightline::TrackletArray>(toMessage(*report, trackingFrame()));
 }
 
 sightline::TrackArray::Ptr LocalTrackerComponent::trackArray(const core::ScanReport& report) const {

@@ -3,6 +3,7 @@
 #include <ros/console.h>
 #include <sightline/AssociationArray.h>
 #include <sightline/TrackArray.h>
+#include <sightline/TrackletArray.h>
 
 #include "sightline/ros/conversions.h"
 
@@ -38,10 +39,11 @@ LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh, cons
   diagnostics_.setHardwareID("none");
   diagnostics_.add("tracking", this, &LocalTrackerNode::diagnose);
   tracks_ = nh_.advertise<sightline::TrackArray>("tracks", kQueue);
+  tracklets_ = nh_.advertise<sightline::TrackletArray>("tracklets", kQueue);
   associations_ = nh_.advertise<sightline::AssociationArray>("associations", kQueue);
   transform_subscriber_ = std::make_unique<TransformSubscriber>(nh_, transforms_, [this] { onTransforms(); });
   timeout_timer_ = nh_.createWallTimer(ros::WallDuration(kSecondsBetweenTimeoutChecks),
-                                       [this](const ros::WallTimerEvent&) { onTransforms(); });
+                                       [this](const ros::WallTimerEvent&) { onTimer(); });
   diagnostics_timer_ =
       nh_.createWallTimer(ros::WallDuration(kSecondsBetweenDiagnostics),
                           [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
@@ -67,8 +69,14 @@ void LocalTrackerNode::onTransforms() {
   if (component_.waiting() > 0) publish(component_.onTransforms(clockNow()));
 }
 
+void LocalTrackerNode::onTimer() {
+  onTransforms();
+  if (const auto overdue = component_.overdueTracklets(clockNow())) tracklets_.publish(overdue);
+}
+
 void LocalTrackerNode::publish(const std::vector<TrackerReport>& reports) {
   for (const TrackerReport& report : reports) {
+    if (report.tracklets) tracklets_.publish(report.tracklets);
     if (report.tracks) tracks_.publish(report.tracks);
     associations_.publish(report.associations);
     health_.note(report);

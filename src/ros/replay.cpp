@@ -14,6 +14,7 @@
 #include <sightline/FusionReport.h>
 #include <sightline/SightingArray.h>
 #include <sightline/TrackArray.h>
+#include <sightline/TrackletArray.h>
 
 #include "sightline/core/scan_queue.h"
 #include "sightline/ros/bags.h"
@@ -80,6 +81,7 @@ ros::Time bagTime(const ros::Time& stamp) {
 struct Tracker {
   LocalTrackerComponent component;
   std::string tracks;
+  std::string tracklets;
   std::string associations;
 };
 
@@ -93,6 +95,12 @@ ParamReader sectionOf(const ParamReader& config, const std::string& name, const 
                       const std::string& choice) {
   const ParamReader section = config.sub(name);
   return choice.empty() ? section : section.with(key, choice);
+}
+
+/// The fusion has an estimator, too.
+ParamReader fusionSectionOf(const ParamReader& config, const ReplaySettings& settings) {
+  const ParamReader section = sectionOf(config, "track_fusion", "rule", settings.rule);
+  return settings.estimator.empty() ? section : section.with("estimator", settings.estimator);
 }
 
 /// One replay under way.
@@ -110,7 +118,10 @@ class Replay {
   void follow(const SightingArray::ConstPtr& scan);
   std::vector<TrackerReport> track(Tracker& tracker, const SightingArray::ConstPtr& scan);
   void fuse(const Tracker& tracker, const std::vector<TrackerReport>& reports);
+  void sendOverdueTracklets(core::Time now);
+  void sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets);
   void write(const Tracker& tracker, const TrackerReport& report);
+  void writeTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets);
   void writeTracks(const std::string& topic, const sightline::TrackArray& tracks);
 
   const rosbag::Bag& in_;
@@ -127,10 +138,7 @@ class Replay {
 
 Replay::Replay(const rosbag::Bag& in, rosbag::Bag& out, const ParamReader& config,
                const ReplaySettings& settings)
-    : in_(in),
-      out_(out),
-      transforms_(in),
-      fusion_(sectionOf(config, "track_fusion", "rule", settings.rule), "fusion") {
+    : in_(in), out_(out), transforms_(in), fusion_(fusionSectionOf(config, settings), "fusion") {
   for (const auto& [sensor, part] : topicParts(sensorsOf(in))) {
     addTracker(sensor, sensor, "/sensors/" + part,
                sectionOf(config, "local_tracker", "estimator", settings.estimator));
@@ -150,8 +158,8 @@ Replay::Replay(const rosbag::Bag& in, rosbag::Bag& out, const ParamReader& confi
 void Replay::addTracker(const std::string& sensor, const std::string& name, const std::string& space,
                         const ParamReader& section) {
   Tracker tracker{LocalTrackerComponent(section, name, transforms_.buffer()), space + "/tracks",
-                  space + "/associations"};
-  written_.insert({tracker.tracks, tracker.associations});
+                  space + "/tracklets", space + "/associations"};
+  written_.insert({tracker.tracks, tracker.tracklets, tracker.associations});
   trackers_.emplace(sensor, std::move(tracker));
 }
 
@@ -164,6 +172,7 @@ ReplaySummary Replay::run() {
     for (const auto& due : queue_.release()) follow(due);
   }
   for (const auto& due : queue_.releaseAll()) follow(due);
+  sendOverdueTracklets(core::Time::max());
   if (first_) summary_.recorded = core::seconds(*last_ - *first_);
   return summary_;
 }
@@ -192,6 +201,7 @@ void Replay::take(const SightingArray::ConstPtr& scan, const ros::Time& received
 
 /// Scans come in order here.
 void Replay::follow(const SightingArray::ConstPtr& scan) {
+  sendOverdueTracklets(toCore(scan->header.stamp));
   Tracker& of_sensor = trackers_.at(scan->sensor);
   fuse(of_sensor, track(of_sensor, scan));
   track(trackers_.at(kAllSensors), scan);
@@ -210,6 +220,7 @@ std::vector<TrackerReport> Replay::track(Tracker& tracker, const SightingArray::
 
 void Replay::fuse(const Tracker& tracker, const std::vector<TrackerReport>& reports) {
   for (const auto& report : reports) {
+    if (report.tracklets) sendTracklets(tracker, *report.tracklets);
     if (!report.tracks) continue;
     const FusionResult fused = fusion_.onTracks(*report.tracks, tracker.tracks, core::Time{});
     out_.write(kFusionReport, bagTime(report.tracks->header.stamp), fused.report);
@@ -220,6 +231,25 @@ void Replay::fuse(const Tracker& tracker, const std::vector<TrackerReport>& repo
   }
 }
 
+/// By the clock, as a node would: those of trackers whose scans end or pause.
+void Replay::sendOverdueTracklets(core::Time now) {
+  for (auto& [sensor, tracker] : trackers_) {
+    const auto overdue = tracker.component.overdueTracklets(now);
+    if (!overdue) continue;
+    writeTracklets(tracker, *overdue);
+    if (sensor != kAllSensors) sendTracklets(tracker, *overdue);
+  }
+}
+
+void Replay::sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets) {
+  const std::string refusal = fusion_.onTracklets(tracklets, tracker.tracklets, core::Time{});
+  if (!refusal.empty()) ++summary_.drops[fusion_.name() + ": " + refusal.substr(0, refusal.find(':'))];
+}
+
+void Replay::writeTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets) {
+  out_.write(tracker.tracklets, bagTime(tracklets.header.stamp), tracklets);
+}
+
 void Replay::write(const Tracker& tracker, const TrackerReport& report) {
   const std::string& name = tracker.component.name();
   out_.write(tracker.associations, bagTime(report.scan->header.stamp), report.associations);
@@ -228,6 +258,7 @@ void Replay::write(const Tracker& tracker, const TrackerReport& report) {
     return;
   }
   if (report.rejected > 0) summary_.drops[name + ": sightings rejected"] += report.rejected;
+  if (report.tracklets) writeTracklets(tracker, *report.tracklets);
   writeTracks(tracker.tracks, *report.tracks);
 }
 

@@ -5,6 +5,7 @@
 
 #include "sightline/ros/conversions.h"
 #include "sightline/ros/track_fusion_params.h"
+#include "sightline/ros/tracklet_messages.h"
 
 namespace sightline_ros {
 
@@ -58,7 +59,7 @@ TrackFusionComponent::TrackFusionComponent(const ParamReader& reader, const std:
 
 FusionResult TrackFusionComponent::onTracks(const sightline::TrackArray& local, const std::string& topic,
                                             core::Time now) {
-  const std::string refusal = refusalOf(local, topic, now);
+  const std::string refusal = refusalOf(local.tracker, local.header, topic, origins_, now);
   if (!refusal.empty()) return refused(local, refusal);
 
   const core::LocalReport report = toCore(local);
@@ -67,43 +68,63 @@ FusionResult TrackFusionComponent::onTracks(const sightline::TrackArray& local, 
   result.refusal = fused.refusal;
   result.report = fusionReport(fused);
   if (!fused.refusal.empty()) return result;
-  origins_[local.tracker] = {topic, report.time};
-  while (origins_.size() > static_cast<std::size_t>(params_.reports.max_trackers)) {
-    origins_.erase(origins_.begin()->first == local.tracker ? std::next(origins_.begin()) : origins_.begin());
-  }
+  note(local.tracker, local.header, topic, origins_);
   result.tracks = trackArray(fused);
   latest_ = std::move(fused);
   return result;
 }
 
+std::string TrackFusionComponent::onTracklets(const sightline::TrackletArray& local, const std::string& topic,
+                                              core::Time now) {
+  std::string refusal = refusalOf(local.tracker, local.header, topic, tracklet_origins_, now);
+  if (!refusal.empty()) return refusal;
+  std::string complaint;
+  refusal = fusion_.onTracklets(sightline_ros::toCore(local, complaint));
+  if (!refusal.empty()) return refusal;
+  note(local.tracker, local.header, topic, tracklet_origins_);
+  return complaint;
+}
+
+bool TrackFusionComponent::wantsTracklets() const {
+  return params_.rule == core::FusionRule::best || params_.rule == core::FusionRule::tracklets;
+}
+
 void TrackFusionComponent::reset() {
   fusion_.reset();
   origins_.clear();
+  tracklet_origins_.clear();
   latest_ = {};
 }
 
-std::string TrackFusionComponent::refusalOf(const sightline::TrackArray& local, const std::string& topic,
-                                            core::Time now) {
+std::string TrackFusionComponent::refusalOf(const std::string& tracker, const std_msgs::Header& header,
+                                            const std::string& topic, const Origins& origins,
+                                            core::Time now) const {
   std::ostringstream why;
-  const core::Time stamp = sightline_ros::toCore(local.header.stamp);
+  const core::Time stamp = sightline_ros::toCore(header.stamp);
   const double ahead = core::seconds(stamp - now);
-  if (local.tracker == name_) {
-    why << "feedback: \"" << name_ << "\" is this fusion itself; it must not be fed with its own tracks";
-  } else if (local.header.frame_id != tracking_frame_) {
-    why << "frame: the tracks of \"" << local.tracker << "\" are in \"" << local.header.frame_id
-        << "\", not in \"" << tracking_frame_
-        << "\" (tracking_frame); directions from another origin cannot be fused";
+  if (tracker == name_) {
+    why << "feedback: \"" << name_ << "\" is this fusion itself; it must not be fed with its own";
+  } else if (header.frame_id != tracking_frame_) {
+    why << "frame: what comes from \"" << tracker << "\" are in \"" << header.frame_id << "\", not in \""
+        << tracking_frame_ << "\" (tracking_frame); directions from another origin cannot be fused";
   } else if (now != core::Time{} && ahead > max_future_) {
-    why << "future: the stamp of \"" << local.tracker << "\" is " << ahead
-        << " s ahead of the clock (max_future " << max_future_
-        << " s); are the computers' clocks synchronised?";
-  } else if (const auto origin = origins_.find(local.tracker);
-             origin != origins_.end() && origin->second.topic != topic &&
+    why << "future: the stamp of \"" << tracker << "\" is " << ahead << " s ahead of the clock (max_future "
+        << max_future_ << " s); are the computers' clocks synchronised?";
+  } else if (const auto origin = origins.find(tracker);
+             origin != origins.end() && origin->second.topic != topic &&
              core::seconds(stamp - origin->second.newest) <= params_.reports.max_age) {
-    why << "name: \"" << local.tracker << "\" on " << topic << " reports on " << origin->second.topic
+    why << "name: \"" << tracker << "\" on " << topic << " reports on " << origin->second.topic
         << " already; give each tracker a tracker_name of its own";
   }
   return why.str();
+}
+
+/// Remembers where a tracker reports.
+void TrackFusionComponent::note(const std::string& tracker, const std_msgs::Header& header,
+                                const std::string& topic, Origins& origins) const {
+  origins[tracker] = {topic, sightline_ros::toCore(header.stamp)};
+  while (origins.size() > static_cast<std::size_t>(params_.reports.max_trackers))
+    origins.erase(origins.begin()->first == tracker ? std::next(origins.begin()) : origins.begin());
 }
 
 FusionResult TrackFusionComponent::refused(const sightline::TrackArray& local, const std::string& why) const {
@@ -141,6 +162,7 @@ sightline::FusionReport::Ptr TrackFusionComponent::fusionReport(const core::Fusi
     sightline::FusedTrack row;
     row.id = track.track.id;
     row.rule = nameOf(track.rule);
+    row.why_not_tracklets = track.why_not_tracklets;
     row.sources = toMessages(track.sources);
     row.left_out = toMessages(track.left_out);
     message->tracks.push_back(row);

@@ -16,6 +16,7 @@ using diagnostic_msgs::DiagnosticStatus;
 namespace {
 
 constexpr double kSecondsBetweenWarnings = 5.0;
+constexpr std::size_t kMostTrackers = 256;
 constexpr double kDefaultSilence = 2.0;  // [s]
 
 /// Reasons for leaving a local track out that need somebody's hand; the others are a tracker's daily life.
@@ -51,8 +52,22 @@ void TrackFusionHealth::note(const sightline::TrackArray& local, const std::stri
     if (track.status < tracks_.size()) ++tracks_[track.status];
   }
   left_out_.clear();
-  for (const auto& track : result.report->tracks) noteLeftOut(track.left_out);
+  rules_.clear();
+  why_not_tracklets_.clear();
+  for (const auto& track : result.report->tracks) {
+    noteLeftOut(track.left_out);
+    ++rules_[track.rule];
+    if (!track.why_not_tracklets.empty()) why_not_tracklets_ = track.why_not_tracklets;
+  }
   noteLeftOut(result.report->left_out);
+}
+
+void TrackFusionHealth::noteTracklets(const sightline::TrackletArray& local, const std::string& refusal,
+                                      std::size_t late) {
+  if (!refusal.empty()) complain(refusal);
+  if (tracklets_.size() < kMostTrackers || tracklets_.count(local.tracker) > 0)
+    tracklets_[local.tracker] += local.tracklets.size();
+  late_tracklets_ = late;
 }
 
 void TrackFusionHealth::noteLeftOut(const std::vector<sightline::SourceTrack>& rows) {
@@ -105,6 +120,10 @@ void TrackFusionHealth::diagnose(core::Time now, diagnostic_updater::DiagnosticS
     }
     source.messages_before = source.messages;
   }
+  for (const auto& [rule, count] : rules_) status.add("global tracks by rule, " + rule, count);
+  if (!why_not_tracklets_.empty()) status.add("why not by tracklets", why_not_tracklets_);
+  for (const auto& [tracker, count] : tracklets_) status.add("tracklets of " + tracker, count);
+  if (late_tracklets_ > 0) status.add("tracklets that came too late", late_tracklets_);
   for (const auto& [kind, count] : left_out_) status.add("local tracks left out now, " + kind, count);
   for (auto& [kind, complaint] : complaints_) {
     status.add("complaints, " + kind, complaint.count);

@@ -3,6 +3,7 @@
 #include <set>
 
 #include <ros/console.h>
+#include <ros/names.h>
 #include <sightline/FusionReport.h>
 
 #include "sightline/ros/conversions.h"
@@ -37,6 +38,18 @@ std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHa
   return topics;
 }
 
+/// Those that are set, or else `tracklets` beside each topic of tracks.
+std::vector<std::string> trackletTopicsFrom(const ParamReader& reader, const ros::NodeHandle& nh,
+                                            const std::vector<std::string>& track_topics) {
+  std::set<std::string> topics;
+  for (const std::string& topic : reader.texts("tracklet_topics", {})) topics.insert(nh.resolveName(topic));
+  if (topics.empty()) {
+    for (const std::string& topic : track_topics)
+      topics.insert(ros::names::append(ros::names::parentNamespace(topic), "tracklets"));
+  }
+  return {topics.begin(), topics.end()};
+}
+
 }  // namespace
 
 TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
@@ -47,6 +60,7 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
     : nh_(nh),
       component_(reader, nameOfNode(pnh)),
       topics_(topicsFrom(reader, nh)),
+      tracklet_topics_(trackletTopicsFrom(reader, nh, topics_)),
       health_(topics_, TrackFusionHealth::silenceFrom(reader)),
       diagnostics_(nh, pnh, pnh.getNamespace()) {
   reader.finish();
@@ -69,6 +83,13 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
     all += " " + topic;
   }
+  for (const std::string& topic : tracklet_topics_) {
+    if (!component_.wantsTracklets()) break;
+    subscribers_.push_back(nh_.subscribe<sightline::TrackletArray>(
+        topic, kQueue,
+        [this, topic](const sightline::TrackletArray::ConstPtr& local) { onTracklets(local, topic); },
+        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+  }
   ROS_INFO_STREAM(component_.name() << ": " << component_.rule() << " in frame " << component_.trackingFrame()
                                     << ", listens to" << all);
 }
@@ -82,6 +103,13 @@ void TrackFusionNode::onTracks(const sightline::TrackArray::ConstPtr& local, con
   health_.note(*local, topic, result);
   for (const std::string& warning : health_.warnings(now))
     ROS_WARN_STREAM(component_.name() << ": " << warning);
+}
+
+void TrackFusionNode::onTracklets(const sightline::TrackletArray::ConstPtr& local, const std::string& topic) {
+  const sightline::core::Time now = clockNow();
+  noticeTimeJump(now);
+  const std::string refusal = component_.onTracklets(*local, topic, now);
+  health_.noteTracklets(*local, refusal, component_.lateTracklets());
 }
 
 /// Simulated time that steps back (a recording in a loop) starts everything again.

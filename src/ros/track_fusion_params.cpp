@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "sightline/ros/tracker_params.h"
+
 namespace sightline_ros {
 
 namespace core = sightline::core;
@@ -13,9 +15,7 @@ namespace {
 constexpr int kMany = std::numeric_limits<int>::max();
 
 core::FusionRule loadRule(const ParamReader& reader, core::FusionRule fallback) {
-  const std::vector<core::FusionRule> rules{core::FusionRule::weighted_covariance,
-                                            core::FusionRule::cross_covariance,
-                                            core::FusionRule::covariance_intersection};
+  const std::vector<core::FusionRule>& rules = core::fusionRules();
   std::vector<std::string> names;
   names.reserve(rules.size());
   for (const core::FusionRule rule : rules) names.push_back(nameOf(rule));
@@ -31,6 +31,16 @@ core::IntersectionWeights loadIntersectionWeights(const ParamReader& reader,
   const std::string name =
       reader.choice("intersection_weights", is_trace ? "trace" : "determinant", {"determinant", "trace"});
   return name == "trace" ? core::IntersectionWeights::trace : core::IntersectionWeights::determinant;
+}
+
+core::TrackletFusionParams loadTrackletFusionParams(const ParamReader& reader,
+                                                    core::TrackletFusionParams params) {
+  params.estimator = loadEstimatorParams(reader, params.estimator);
+  const ParamReader tracklets = reader.sub("tracklets");
+  params.max_lag = tracklets.number("max_lag", params.max_lag, above(0.0), "s");
+  params.memory = tracklets.number("memory", params.memory, above(0.0), "s");
+  params.max_missing = tracklets.number("max_missing", params.max_missing, between(0.0, 1.0));
+  return params;
 }
 
 core::LocalReportsParams loadLocalReportsParams(const ParamReader& reader, core::LocalReportsParams params) {
@@ -60,6 +70,7 @@ core::TrackFusionParams loadTrackFusionParams(const ParamReader& reader, core::T
   params.allow_shared_sensors = reader.flag("allow_shared_sensors", params.allow_shared_sensors);
   params.max_tracks = reader.integer("max_tracks", params.max_tracks, 1, kMany);
   params.reports = loadLocalReportsParams(reader, params.reports);
+  params.tracklets = loadTrackletFusionParams(reader, params.tracklets);
   return params;
 }
 

@@ -236,4 +236,12 @@ core::LocalTrackerParams loadLocalTrackerParams(const ParamReader& reader, core:
   return params;
 }
 
+core::TrackletParams loadTrackletParams(const ParamReader& reader, core::TrackletParams params) {
+  params.enabled = reader.flag("enabled", params.enabled);
+  params.interval = reader.number("interval", params.interval, atLeast(0.0), "s");
+  params.compression.span = reader.number("span", params.compression.span, atLeast(0.0), "s");
+  params.compression.nodes = reader.integer("nodes", params.compression.nodes, 1, core::kMostNodes);
+  return params;
+}
+
 }  // namespace sightline_ros

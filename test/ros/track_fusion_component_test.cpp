@@ -57,15 +57,25 @@ TEST(TrackFusionParams, ShippedFileSaysTheDefaultsAndNothingElse) {
   const TrackFusionComponent component(reader, "node");
   TrackFusionHealth::silenceFrom(reader);
   EXPECT_NO_THROW(reader.finish());
-  EXPECT_EQ(reader.differences(), std::vector<std::string>{});
+  // The settings of the estimators are those of local_tracker.yaml, and not repeated.
+  for (const std::string& key : reader.differences()) {
+    const std::string name = key.substr(reader.name().size() + 1);
+    const std::string section = name.substr(0, name.find('/'));
+    EXPECT_TRUE(section == "twbls" || section == "noga" || section == "kalman" || section == "imm") << key;
+  }
   EXPECT_EQ(component.name(), "node");
 }
 
 TEST(TrackFusionParams, EveryKeyReachesItsField) {
-  for (const auto rule : {core::FusionRule::weighted_covariance, core::FusionRule::cross_covariance,
-                          core::FusionRule::covariance_intersection}) {
+  for (const core::FusionRule rule : core::fusionRules())
     EXPECT_EQ(paramsOf("rule: " + nameOf(rule)).rule, rule);
-  }
+  EXPECT_EQ(paramsOf("estimator: noga").tracklets.estimator.kind, core::EstimatorKind::noga);
+  EXPECT_EQ(paramsOf("kalman: {process_noise: 0.3}").tracklets.estimator.kalman.process_noise, 0.3);
+  const core::TrackletFusionParams tracklets =
+      paramsOf("tracklets: {max_lag: 3.0, memory: 2.0, max_missing: 0.1}").tracklets;
+  EXPECT_EQ(tracklets.max_lag, 3.0);
+  EXPECT_EQ(tracklets.memory, 2.0);
+  EXPECT_EQ(tracklets.max_missing, 0.1);
   EXPECT_EQ(paramsOf("intersection_weights: trace").intersection_weights, core::IntersectionWeights::trace);
   const core::TrackFusionParams params = paramsOf(
       "gate: {probability: 0.9, leave_factor: 3.0, leave_after: 0.7, registration_sigma: "
@@ -91,7 +101,8 @@ TEST(TrackFusionParams, BadValuesAreRefused) {
   for (const char* yaml : {"rule: kalman", "gate: {probability: 1.0}", "gate: {leave_factor: 0.5}",
                            "gate: {registration_sigma: -1.0}", "process_noise: -1.0", "max_age: 0.0",
                            "{max_age: 3.0, forget_after: 2.0}", "max_tracks: 0", "allow_shared_sensors: 1",
-                           "intersection_weights: best", "unknown_key: 1"}) {
+                           "intersection_weights: best", "estimator: best", "tracklets: {max_lag: 0.0}",
+                           "tracklets: {max_missing: 1.5}", "unknown_key: 1"}) {
     EXPECT_THROW(paramsOf(yaml), ParamError) << yaml;
   }
 }
@@ -114,7 +125,7 @@ TEST_F(Component, TracksOfTwoTrackersBecomeOneAndTheReportNamesThem) {
   EXPECT_EQ(result.tracks->header.stamp, ros::Time(10.1));
   EXPECT_EQ(result.tracks->header.frame_id, "platform_enu");
   EXPECT_EQ(result.tracks->tracker, "my_fusion");
-  EXPECT_EQ(result.tracks->estimator, "cross_covariance");
+  EXPECT_EQ(result.tracks->estimator, "best");
   ASSERT_EQ(result.tracks->tracks.size(), 1u);
   EXPECT_EQ(result.tracks->tracks[0].id, 1u);
   EXPECT_EQ(result.tracks->tracks[0].sources, (std::vector<std::string>{"a", "b"}));
@@ -127,6 +138,7 @@ TEST_F(Component, TracksOfTwoTrackersBecomeOneAndTheReportNamesThem) {
   const sightline::FusedTrack& fused = result.report->tracks[0];
   EXPECT_EQ(fused.id, 1u);
   EXPECT_EQ(fused.rule, "cross_covariance");
+  EXPECT_EQ(fused.why_not_tracklets, "no tracklets from a");
   ASSERT_EQ(fused.sources.size(), 2u);
   EXPECT_EQ(fused.sources[0].tracker, "a");
   EXPECT_EQ(fused.sources[0].id, 7u);
@@ -134,6 +146,71 @@ TEST_F(Component, TracksOfTwoTrackersBecomeOneAndTheReportNamesThem) {
   EXPECT_NEAR(fused.sources[0].weight + fused.sources[1].weight, 1.0, 1e-12);
   EXPECT_NEAR(fused.sources[0].distance_squared, 0.0, 1e-9);
   EXPECT_TRUE(fused.left_out.empty());
+}
+
+/// Two sightings of one sensor, as tracklets of the track of `tracksOf`.
+sightline::TrackletArray trackletsOf(const std::string& tracker, double stamp, double since) {
+  sightline::TrackletArray array;
+  array.header.stamp = ros::Time(stamp);
+  array.header.frame_id = "platform_enu";
+  array.tracker = tracker;
+  if (since > 0.0) array.since = ros::Time(since);
+  array.tracklets.resize(2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    sightline::Tracklet& tracklet = array.tracklets[i];
+    tracklet.track = 7;
+    tracklet.sensor = "sensor of " + tracker;
+    tracklet.stamp = ros::Time(stamp - (i == 0 ? 0.05 : 0.0));
+    tracklet.azimuth = 0.5;
+    tracklet.covariance[0] = tracklet.covariance[3] = 2e-6;
+    tracklet.sightings = 1.0;
+    tracklet.ifov = std::numeric_limits<double>::quiet_NaN();
+  }
+  return array;
+}
+
+TEST_F(Component, TrackletsOfAllTrackersMakeTheTrackAndTheReportSaysSo) {
+  FusionResult result;
+  for (int k = 0; k < 30; ++k) {
+    const double stamp = 10.0 + 0.1 * k;
+    for (const char* tracker : {"a", "b"}) {
+      EXPECT_EQ(component_.onTracklets(trackletsOf(tracker, stamp, k == 0 ? 0.0 : stamp - 0.1),
+                                       std::string("/") + tracker + "/tracklets", at(stamp)),
+                "");
+      result = fuse(tracksOf(tracker, stamp));
+    }
+  }
+  ASSERT_EQ(result.report->tracks.size(), 1u);
+  EXPECT_EQ(result.report->tracks[0].rule, "tracklets");
+  EXPECT_EQ(result.report->tracks[0].why_not_tracklets, "");
+  EXPECT_NEAR(result.report->tracks[0].sources.at(0).weight, 0.5, 0.05) << "one message apart";
+  EXPECT_NEAR(result.tracks->tracks.at(0).azimuth, 0.5, 1e-9);
+  EXPECT_EQ(component_.lateTracklets(), 0u);
+}
+
+TEST_F(Component, TrackletsThatCannotBeUsedAreRefusedWithTheReason) {
+  const auto refusal = [this](const sightline::TrackletArray& array,
+                              const std::string& topic = "/a/tracklets") {
+    return component_.onTracklets(array, topic, at(10.0));
+  };
+  sightline::TrackletArray array = trackletsOf("a", 10.0, 0.0);
+  array.header.frame_id = "other_ship";
+  EXPECT_EQ(refusal(array).substr(0, 6), "frame:");
+  EXPECT_EQ(refusal(trackletsOf("a", 11.0, 0.0)).substr(0, 7), "future:");
+  EXPECT_EQ(refusal(trackletsOf("my_fusion", 10.0, 0.0)).substr(0, 9), "feedback:");
+  EXPECT_EQ(refusal(trackletsOf("a", 10.0, 0.0)), "");
+  EXPECT_EQ(refusal(trackletsOf("a", 10.0, 9.9), "/elsewhere").substr(0, 5), "name:");
+  const auto spoilt = [&](auto spoil) {
+    sightline::TrackletArray bad = trackletsOf("a", 10.0, 9.9);
+    spoil(bad.tracklets[0]);
+    return refusal(bad);
+  };
+  EXPECT_EQ(spoilt([](auto& it) { it.covariance[0] = 0.0; }).substr(0, 8), "invalid:");
+  EXPECT_EQ(spoilt([](auto& it) { it.azimuth = 90.0; }).substr(0, 8), "invalid:");
+  EXPECT_EQ(spoilt([](auto& it) { it.sightings = 0.0; }).substr(0, 8), "invalid:");
+  EXPECT_EQ(spoilt([](auto& it) { it.track = 0; }).substr(0, 8), "invalid:");
+  EXPECT_EQ(spoilt([](auto& it) { it.sensor.clear(); }).substr(0, 8), "invalid:");
+  EXPECT_EQ(spoilt([](auto& it) { it.stamp = ros::Time(10.01); }).substr(0, 8), "invalid:");
 }
 
 TEST_F(Component, GarbageIsLeftOutInTheReportWithItsReason) {

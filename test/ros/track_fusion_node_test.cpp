@@ -15,6 +15,7 @@
 #include <ros/ros.h>
 #include <sightline/FusionReport.h>
 #include <sightline/TrackArray.h>
+#include <sightline/TrackletArray.h>
 
 namespace {
 
@@ -104,13 +105,57 @@ TEST_F(TrackFusionNode, TwoTrackersBecomeOneSurerTrackAndTheReportNamesBoth) {
                          [this] { speakBoth(); }));
   EXPECT_EQ(tracks_->header.frame_id, "platform_enu");
   EXPECT_EQ(tracks_->tracker, "track_fusion");
-  EXPECT_EQ(tracks_->estimator, "cross_covariance");
+  EXPECT_EQ(tracks_->estimator, "best");
+  EXPECT_EQ(report_->tracks[0].rule, "cross_covariance");
+  EXPECT_EQ(report_->tracks[0].why_not_tracklets, "no tracklets from a");
   EXPECT_LT(tracks_->tracks[0].covariance[0], 1e-6);
   EXPECT_NEAR(tracks_->tracks[0].azimuth, 0.5, 1e-9);
   ASSERT_EQ(report_->tracks[0].sources.size(), 2u);
   EXPECT_EQ(report_->tracks[0].id, tracks_->tracks[0].id);
   EXPECT_EQ(report_->tracks[0].sources[0].tracker, "a");
   EXPECT_EQ(report_->tracks[0].sources[1].tracker, "b");
+}
+
+/// A tracker's only tracklet since `since`.
+sightline::TrackletArray trackletsOf(const std::string& tracker, const ros::Time& stamp,
+                                     const ros::Time& since) {
+  sightline::TrackletArray array;
+  array.header.stamp = stamp;
+  array.header.frame_id = "platform_enu";
+  array.tracker = tracker;
+  array.since = since;
+  array.tracklets.resize(1);
+  sightline::Tracklet& tracklet = array.tracklets[0];
+  tracklet.track = 3;
+  tracklet.sensor = "sensor of " + tracker;
+  tracklet.stamp = stamp;
+  tracklet.azimuth = 0.5;
+  tracklet.covariance[0] = tracklet.covariance[3] = 1e-6;
+  tracklet.sightings = 1.0;
+  tracklet.ifov = std::numeric_limits<double>::quiet_NaN();
+  return array;
+}
+
+TEST_F(TrackFusionNode, TrackletsBesideTheTracksAreFusedAndTheReportSaysWhenTheyEnd) {
+  const ros::Publisher a = nh_.advertise<sightline::TrackletArray>("/a/tracklets", 1000);
+  const ros::Publisher b = nh_.advertise<sightline::TrackletArray>("/b/tracklets", 1000);
+  ASSERT_TRUE(eventually([&] { return a.getNumSubscribers() == 1 && b.getNumSubscribers() == 1; }))
+      << "the nodelet's rule has no use for them";
+  const auto rule = [this] { return report_->tracks.size() == 1 ? report_->tracks[0].rule : ""; };
+  ros::Time since;
+  EXPECT_TRUE(eventually([&] { return rule() == "tracklets" && sourcesIn(*tracks_) == kBoth; },
+                         [&] {
+                           const ros::Time now = ros::Time::now();
+                           a.publish(trackletsOf("a", now, since));
+                           b.publish(trackletsOf("b", now, since));
+                           since = now;
+                           a_.publish(tracksOf("a", now));
+                           b_.publish(tracksOf("b", now));
+                         }));
+  EXPECT_NEAR(tracks_->tracks.at(0).azimuth, 0.5, 1e-6);
+  EXPECT_TRUE(eventually([&] { return rule() == "cross_covariance"; }, [this] { speakBoth(); }));
+  EXPECT_NE(report_->tracks[0].why_not_tracklets.find("behind its tracks"), std::string::npos)
+      << report_->tracks[0].why_not_tracklets;
 }
 
 TEST_F(TrackFusionNode, NodeletDoesTheSame) {
@@ -201,11 +246,10 @@ TEST_F(TrackFusionNode, WrongConfigurationEndsTheNodeWithOneLineAndExitCodeOne) 
   nh_.setParam("/wrong/track_topics", std::vector<std::string>{"/a/tracks", "a/tracks"});
   expectRefusal("/wrong/track_topics: expected different topics, got /a/tracks twice");
   nh_.setParam("/wrong/track_topics", std::vector<std::string>{"/a/tracks", "/b/tracks"});
-  nh_.setParam("/wrong/rule", "best");
+  nh_.setParam("/wrong/rule", "magic");
   expectRefusal(
-      "/wrong/rule: expected one of weighted_covariance, cross_covariance, covariance_intersection, got the "
-      "string "
-      "\"best\"");
+      "/wrong/rule: expected one of best, tracklets, cross_covariance, weighted_covariance, "
+      "covariance_intersection, inverse_covariance_intersection, got the string \"magic\"");
   nh_.setParam("/wrong/rule", "weighted_covariance");
   nh_.setParam("/wrong/max_agee", 1.0);
   expectRefusal("/wrong/max_agee: nobody reads this parameter (did you mean /wrong/max_age?)");

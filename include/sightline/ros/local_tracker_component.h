@@ -1,16 +1,19 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <sightline/AssociationArray.h>
 #include <sightline/SightingArray.h>
 #include <sightline/TrackArray.h>
+#include <sightline/TrackletArray.h>
 #include <tf2/buffer_core.h>
 
 #include "sightline/core/local_tracker.h"
 #include "sightline/core/time.h"
+#include "sightline/core/tracklet_builder.h"
 #include "sightline/ros/frames.h"
 #include "sightline/ros/param_reader.h"
 
@@ -20,6 +23,7 @@ namespace sightline_ros {
 struct TrackerReport {
   sightline::SightingArray::ConstPtr scan;
   sightline::TrackArray::Ptr tracks;              ///< null when the scan was dropped
+  sightline::TrackletArray::Ptr tracklets;        ///< null when none are due; to be sent before the tracks
   sightline::AssociationArray::Ptr associations;  ///< every sighting of the scan, whether it was used or not
   std::size_t rejected = 0;                       ///< sightings with REJECTED_INPUT
   std::string drop_reason;                        ///< short and of few kinds; empty when the scan was used
@@ -45,6 +49,9 @@ class LocalTrackerComponent {
   /// Transforms have come, or time has gone by: what became of the scans that were waiting.
   std::vector<TrackerReport> onTransforms(sightline::core::Time now);
 
+  /// Tracklets that wait for a scan that does not come; null when nothing has to be sent by now.
+  sightline::TrackletArray::Ptr overdueTracklets(sightline::core::Time now);
+
   /// What is thought of each sensor that has been compared with others.
   std::vector<sightline::core::WatchedSensor> sensors() const { return tracker_.sensors(); }
 
@@ -57,17 +64,20 @@ class LocalTrackerComponent {
   double tfTimeout() const { return frames_.params().tf_timeout; }  ///< [s]
 
  private:
-  LocalTrackerComponent(const sightline::core::LocalTrackerParams& tracker, const FrameChangeParams& frames,
+  LocalTrackerComponent(const sightline::core::LocalTrackerParams& tracker,
+                        const sightline::core::TrackletParams& tracklets, const FrameChangeParams& frames,
                         std::string name, const tf2::BufferCore& transforms);
 
   TrackerReport track(FramedScan& framed);
   sightline::TrackArray::Ptr trackArray(const sightline::core::ScanReport& report) const;
+  sightline::TrackletArray::Ptr trackletArray(std::optional<sightline::core::TrackletReport> report) const;
 
   std::string name_;
   std::string estimator_;
   double max_lag_;
   FrameChange frames_;
   sightline::core::LocalTracker tracker_;
+  std::optional<sightline::core::TrackletBuilder> tracklets_;  // none: not enabled
 };
 
 }  // namespace sightline_ros

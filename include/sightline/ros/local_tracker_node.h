@@ -19,7 +19,7 @@
 namespace sightline_ros {
 
 /// Node and nodelet round a LocalTrackerComponent: every topic of `~sighting_topics` in; `tracks`,
-/// `associations` and /diagnostics out. Its callbacks run on one queue, one at a time.
+/// `tracklets`, `associations` and /diagnostics out. Its callbacks run on one queue, one at a time.
 class LocalTrackerNode {
  public:
   /// Throws ParamError.
@@ -31,6 +31,7 @@ class LocalTrackerNode {
   void subscribe(const std::vector<std::string>& topics);
   void onScan(const sightline::SightingArray::ConstPtr& scan);
   void onTransforms();
+  void onTimer();
   void publish(const std::vector<TrackerReport>& reports);
   void warnOf(const TrackerReport& report);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -41,6 +42,7 @@ class LocalTrackerNode {
   LocalTrackerHealth health_;
   diagnostic_updater::Updater diagnostics_;
   ros::Publisher tracks_;
+  ros::Publisher tracklets_;
   ros::Publisher associations_;
   std::vector<ros::Subscriber> sightings_;
   std::unique_ptr<TransformSubscriber> transform_subscriber_;

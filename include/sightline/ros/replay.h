@@ -9,7 +9,8 @@ namespace sightline_ros {
 struct ReplaySettings {
   std::string
       config;  ///< YAML file with the sections local_tracker, sensor_fusion, track_fusion; empty = defaults
-  std::string estimator;  ///< of every tracker, instead of what the configuration says; empty = as it says
+  std::string estimator;  ///< of every tracker and of the fusion, instead of what the configuration says;
+                          ///< empty = as it says
   std::string rule;       ///< of the fusion, likewise
 };
 

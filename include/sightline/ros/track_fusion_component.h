@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
 
 #include <sightline/FusionReport.h>
 #include <sightline/TrackArray.h>
+#include <sightline/TrackletArray.h>
+#include <std_msgs/Header.h>
 
 #include "sightline/core/track_fusion.h"
 #include "sightline/ros/param_reader.h"
@@ -35,6 +38,16 @@ class TrackFusionComponent {
   FusionResult onTracks(const sightline::TrackArray& local, const std::string& topic,
                         sightline::core::Time now);
 
+  /// Takes the tracklets of one local tracker that came on `topic`, for the fusions that follow. Returns why
+  /// they, or some of them, were refused; empty when they were not.
+  std::string onTracklets(const sightline::TrackletArray& local, const std::string& topic,
+                          sightline::core::Time now);
+
+  /// Whether the rule can make use of tracklets.
+  bool wantsTracklets() const;
+
+  std::size_t lateTracklets() const { return fusion_.lateTracklets(); }  ///< too late to be used
+
   /// Forgets everything but the ids: time started again.
   void reset();
 
@@ -49,8 +62,12 @@ class TrackFusionComponent {
     sightline::core::Time newest;
   };
 
-  std::string refusalOf(const sightline::TrackArray& local, const std::string& topic,
-                        sightline::core::Time now);
+  using Origins = std::map<std::string, Origin>;  // by tracker; at most as many as the fusion knows
+
+  std::string refusalOf(const std::string& tracker, const std_msgs::Header& header, const std::string& topic,
+                        const Origins& origins, sightline::core::Time now) const;
+  void note(const std::string& tracker, const std_msgs::Header& header, const std::string& topic,
+            Origins& origins) const;
   FusionResult refused(const sightline::TrackArray& local, const std::string& why) const;
   sightline::TrackArray::Ptr trackArray(const sightline::core::FusionReport& fused) const;
   sightline::FusionReport::Ptr fusionReport(const sightline::core::FusionReport& fused) const;
@@ -61,7 +78,7 @@ class TrackFusionComponent {
   sightline::core::TrackFusionParams params_;
   sightline::core::TrackFusion fusion_;
   sightline::core::FusionReport latest_;
-  std::map<std::string, Origin> origins_;  // by tracker; at most as many as the fusion knows trackers
+  Origins origins_, tracklet_origins_;
 };
 
 }  // namespace sightline_ros

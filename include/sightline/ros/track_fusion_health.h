@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
 #include <sightline/TrackArray.h>
+#include <sightline/TrackletArray.h>
 
 #include "sightline/core/time.h"
 #include "sightline/ros/param_reader.h"
@@ -28,6 +30,9 @@ class TrackFusionHealth {
   TrackFusionHealth(const std::vector<std::string>& topics, double silence);
 
   void note(const sightline::TrackArray& local, const std::string& topic, const FusionResult& result);
+
+  /// What became of a message of tracklets; `late` of all were too late so far.
+  void noteTracklets(const sightline::TrackletArray& local, const std::string& refusal, std::size_t late);
 
   /// Lines to warn with, for what needs the operator's hand and was not complained of lately: at most one in
   /// five seconds of `now` for each kind.
@@ -57,10 +62,14 @@ class TrackFusionHealth {
   void summarize(sightline::core::Time now, diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   double silence_;
-  std::map<std::string, Source> sources_;        // by topic
-  std::map<std::string, Complaint> complaints_;  // by kind
-  std::map<std::string, std::size_t> left_out_;  // local tracks by kind of reason, in the last report
-  std::array<std::uint64_t, 3> tracks_{};        // global, by status, in the last report
+  std::map<std::string, Source> sources_;           // by topic
+  std::map<std::string, Complaint> complaints_;     // by kind
+  std::map<std::string, std::size_t> left_out_;     // local tracks by kind of reason, in the last report
+  std::array<std::uint64_t, 3> tracks_{};           // global, by status, in the last report
+  std::map<std::string, std::size_t> rules_;        // global tracks by the rule that made them, likewise
+  std::map<std::string, std::uint64_t> tracklets_;  // tracklets received, by tracker
+  std::size_t late_tracklets_ = 0;
+  std::string why_not_tracklets_;  // of a track of the last report; empty when there is none
   std::optional<sightline::core::Time> last_diagnosis_;
 };
 

@@ -5,6 +5,7 @@
 #include "sightline/core/estimators.h"
 #include "sightline/core/gate.h"
 #include "sightline/core/local_tracker.h"
+#include "sightline/core/tracklet_builder.h"
 #include "sightline/ros/param_reader.h"
 
 /// Loaders of the parameter structs that make a local tracker. Each reads the keys of its own level, named as
@@ -40,6 +41,10 @@ sightline::core::EstimatorParams loadEstimatorParams(const ParamReader& reader,
 /// All of the above with `gate`, `lifecycle` and `guard`, and the tracker's own.
 sightline::core::LocalTrackerParams loadLocalTrackerParams(const ParamReader& reader,
                                                            sightline::core::LocalTrackerParams defaults = {});
+
+/// `enabled`, `interval`, `span`, `nodes`.
+sightline::core::TrackletParams loadTrackletParams(const ParamReader& reader,
+                                                   sightline::core::TrackletParams defaults = {});
 
 /// twbls, noga, kalman, imm.
 std::string nameOf(sightline::core::EstimatorKind kind);
