@@ -117,7 +117,7 @@ Vouching LiveTrack::vouchingFor(const std::string& sensor, Time time, const Sens
   Vouching vouching;
   for (const Source& source : sources_) {
     if (source.sensor == sensor) {
-      vouching.knows_sensor = true;
+      vouching.has_sensor = guard.sees(seconds(time - source.last_sighting));
     } else if (guard.mayVouch(source.sensor, seconds(time - source.last_sighting))) {
       ++vouching.others;
     }

@@ -178,6 +178,7 @@ std::vector<Association> LocalTracker::followAgain(std::size_t k, const SensorCh
                                             seen.noiseScale(change.sensor));
   const Time since = memory_[from].scan.time;
   state_ = State(*memory_[from].before);
+  state_.guard.adopt(seen, since);
   std::vector<Association> decisions;
   for (std::size_t i = from; i <= k; ++i) {
     memory_.keepAgain(i, state_);
@@ -189,7 +190,6 @@ std::vector<Association> LocalTracker::followAgain(std::size_t k, const SensorCh
       state_.guard.watch(scan, look.expectations, look.pairing, look.vouching);
     decisions = settle(scan, memory_[i].noise_scale, look);
   }
-  state_.guard.adopt(seen, since);
   state_.changes = std::move(changes);
   return decisions;
 }
@@ -253,8 +253,8 @@ void LocalTracker::leaveOut(const Scan& scan, Look& look) const {
       const bool is_yardstick = look.expectations[i].believed && vouching.others > 0;
       if (!is_yardstick) continue;
       const bool is_taken = look.pairing.sighting_of[i] == static_cast<int>(j);
-      const bool may_be_ghost = look.pairing.may_start[j] && vouching.knows_sensor &&
-                                state_.guard.isInReach(look.expectations[i], scan.sightings[j]);
+      const bool may_be_ghost = look.pairing.may_start[j] &&
+                                state_.guard.isGhost(scan.sensor, look.expectations[i], scan.sightings[j]);
       if (!is_taken && !may_be_ghost) continue;
       if (is_taken) look.pairing.sighting_of[i] = -1;
       look.pairing.may_start[j] = false;

@@ -13,6 +13,8 @@ constexpr std::size_t kMostStray = 32;    // stray sightings in a scan beyond wh
 constexpr int kClutterMemory = 50;        // scans over which the number of stray sightings is smoothed
 constexpr double kMostFalse = 0.005;      // false sightings expected nearer than a stray one that counts
 constexpr double kClockInterval = 1.0;    // between comparisons of the clocks [s]
+constexpr double kGhostReach = 6.0;       // of a biased sighting from where the bias puts it [sigma]
+constexpr double kGhostShare = 0.2;       // of the bias, by which it may be farther
 constexpr int kOthersThatDecide = 2;      // with one other sensor, either may be to blame
 
 Innovation innovationOf(const Expectation& expectation, const Sighting& sighting) {
@@ -90,9 +92,7 @@ SensorGuard::Watch* SensorGuard::findOrStart(const std::string& sensor, Time tim
   const std::size_t place = placeOf(sensor);
   if (place < watches_.size() && watches_[place].sensor == sensor) return &watches_[place];
   if (watches_.size() >= kMostSensors) return nullptr;
-  return &*watches_.insert(
-      watches_.begin() + static_cast<std::ptrdiff_t>(place),
-      Watch{sensor, SensorHealth(params_.health, time), ClockWatch(params_.clock, time)});
+  return &*watches_.emplace(watches_.begin() + static_cast<std::ptrdiff_t>(place), sensor, params_, time);
 }
 
 double SensorGuard::noiseScale(const std::string& sensor) const {
@@ -122,19 +122,30 @@ void SensorGuard::compareClocks(Time time) {
   }
 }
 
-bool SensorGuard::isInReach(const Expectation& expectation, const Sighting& sighting) const {
-  return distanceSquared(innovationOf(expectation, sighting)) <= params_.reach * params_.reach;
+bool SensorGuard::isGhost(const std::string& sensor, const Expectation& expectation,
+                          const Sighting& sighting) const {
+  const Watch* watch = find(sensor);
+  return watch != nullptr && isGhost(watch->health, innovationOf(expectation, sighting));
+}
+
+bool SensorGuard::isGhost(const SensorHealth& health, const Innovation& innovation) {
+  if (health.verdict() != SensorVerdict::biased) return false;
+  const PerChannel u = innovation.nu / (innovation.predicted + innovation.stated).sqrt();
+  const PerChannel bias = health.biasSinceChange();
+  const double reach = kGhostReach + kGhostShare * std::sqrt(bias.square().sum());
+  return (u - bias).square().sum() <= reach * reach;
 }
 
 /// A sighting outside every gate may be the target's all the same: when the track has none of this scan, the
-/// nearest stray one speaks for its sensor, as far as the sensor's false sightings are too few to explain it.
+/// nearest stray one speaks for its sensor, as far as the sensor's false sightings are too few to explain it
+/// and the sensor has seen the target just before, or is known to be biased by as much.
 void SensorGuard::watch(const Scan& scan, const std::vector<Expectation>& expectations,
                         const Pairing& pairing, const std::vector<Vouching>& vouching) {
   Watch* watch = nullptr;
   std::vector<std::size_t> stray;
   int most_others = 0;
   for (std::size_t i = 0; i < expectations.size(); ++i) {
-    if (!expectations[i].believed || !vouching[i].knows_sensor || vouching[i].others < 1) continue;
+    if (!expectations[i].believed || vouching[i].others < 1) continue;
     if (watch == nullptr) {
       watch = findOrStart(scan.sensor, scan.time);
       if (watch == nullptr) return;
@@ -151,7 +162,9 @@ void SensorGuard::watch(const Scan& scan, const std::vector<Expectation>& expect
       watch->health.take(scan.time, innovation);
       watch->clock.take(scan.time, innovation.nu.matrix(), expectations[i].chart.covarianceOf(sighting),
                         expectations[i].prediction);
-    } else if (nearby.nearest) {
+    } else if (nearby.nearest &&
+               (watch->health.verdict() == SensorVerdict::biased ? isGhost(watch->health, *nearby.nearest)
+                                                                 : vouching[i].has_sensor)) {
       const double in_reach = (watch->clutter * watch->scans + 0.5) / (watch->scans + 1);
       const double expected_false = in_reach * nearby.distance_squared / (params_.reach * params_.reach);
       if (expected_false > kMostFalse) continue;
@@ -162,6 +175,7 @@ void SensorGuard::watch(const Scan& scan, const std::vector<Expectation>& expect
     most_others = std::max(most_others, vouching[i].others);
   }
   if (most_others == 0) return;
+  watch->last_told = scan.time;
   compareClocks(scan.time);
   watch->decides = most_others >= kOthersThatDecide;
   if (watch->decides && watch->undecided) {
@@ -174,7 +188,9 @@ std::optional<SensorChange> SensorGuard::judge(Time time, const std::string& sen
   if (find(sensor) == nullptr) return std::nullopt;
   Watch& watch = watches_[placeOf(sensor)];
   const bool was_healthy = watch.health.verdict() == SensorVerdict::healthy;
-  const auto change = watch.health.judge(time);
+  auto change = watch.health.judge(time);
+  const bool is_idle = seconds(time - watch.last_told) > params_.support;
+  if (!change && !was_healthy && is_idle) change = watch.health.release(time);
   if (!change) return std::nullopt;
   if (was_healthy) watch.undecided = !watch.decides;
   const SensorChange said{sensor, *change, watch.undecided};
@@ -189,10 +205,11 @@ bool SensorGuard::changedSince(const std::string& sensor, Time since) const {
 
 void SensorGuard::adopt(const SensorGuard& later, Time since) {
   for (const Watch& watch : later.watches_) {
+    if (!later.changedSince(watch.sensor, since)) continue;
     const std::size_t place = placeOf(watch.sensor);
     if (place == watches_.size() || watches_[place].sensor != watch.sensor) {
       watches_.insert(watches_.begin() + static_cast<std::ptrdiff_t>(place), watch);
-    } else if (later.changedSince(watch.sensor, since)) {
+    } else {
       watches_[place] = watch;
     }
   }

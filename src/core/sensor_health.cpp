@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMostSigmas = 100.0;    // that an innovation may count for in a likelihood
 constexpr double kPriceOfBias = 1.0;     // log likelihood by which a bias, with a parameter more, must win
+constexpr double kWeakEvidence = 3.0;    // of a sum: what came up to there may be from before the change
 constexpr double kLargestShare = 0.1;    // of one instant in the sizes, however seldom the sensor looks
 constexpr double kSecondThoughts = 4.0;  // log likelihood that overturns a verdict
 
@@ -49,8 +50,8 @@ double noiseAgainstBias(const SensorHealth::CumulatedSum& sum) {
 }  // namespace
 
 void SensorHealth::CumulatedSum::add(double evidence, Time time, const PerChannel& u_now, double ratio_now) {
-  if (value == 0.0) {
-    began = time;
+  if (value == 0.0) began = time;
+  if (value < kWeakEvidence) {
     sightings = ratio = 0.0;
     u = squares = PerChannel::Zero(u_now.size());
   }
@@ -195,6 +196,17 @@ HealthChange SensorHealth::change(Time time, Time began, SensorVerdict verdict) 
   if (has_size) change.bias = since_change_.u / since_change_.sightings;
   last_change_ = change;
   return change;
+}
+
+HealthChange SensorHealth::release(Time time) {
+  scale_ = 1.0;
+  mean_.setZero();
+  return change(time, time, SensorVerdict::healthy);
+}
+
+PerChannel SensorHealth::biasSinceChange() const {
+  if (!(since_change_.sightings > 0.0)) return PerChannel::Zero(mean_.size());
+  return since_change_.u / since_change_.sightings;
 }
 
 double SensorHealth::noiseScale() const {

@@ -219,6 +219,28 @@ TEST(SensorGuard, ATargetThatTheExcludedSensorAloneSeesIsStillTracked) {
   for (const Track& found : outcome.reports.back().tracks) EXPECT_EQ(found.status, TrackStatus::confirmed);
 }
 
+TEST(SensorGuard, ASensorThatLooksAtANewcomerInsteadIsNotHeldGuiltyForEver) {
+  // From 4 s on sensor_3 sees another target, 20 sigma away, instead of the one that all the others see; from
+  // 7 s on they see the newcomer too.
+  std::vector<Scan> scans = scansOf(4, 20.0, {}, 11);
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  for (Scan& scan : scans) {
+    const double t = seconds(scan.time - at(0.0));
+    if (t < 4.0 || (scan.sensor != "sensor_3" && t < 7.0)) continue;
+    const Eigen::Vector2d newcomer = targetAt(0.0, 0.0) + 20.0 * kSigma * Eigen::Vector2d(1.0, 1.0);
+    const Eigen::Vector2d angles = newcomer + kSigma * Eigen::Vector2d(normal(random), normal(random));
+    if (scan.sensor == "sensor_3") scan.sightings.clear();
+    scan.sightings.push_back(sightingOf(angles, kSigma * kSigma * Eigen::Matrix2d::Identity()));
+  }
+  LocalTracker tracker(paramsWith(true));
+  const Outcome outcome = track(tracker, scans);
+  for (const WatchedSensor& sensor : tracker.sensors()) EXPECT_EQ(sensor.verdict, SensorVerdict::healthy);
+  ASSERT_EQ(outcome.reports.back().tracks.size(), 2u);
+  for (const Track& found : outcome.reports.back().tracks) EXPECT_EQ(found.status, TrackStatus::confirmed);
+  EXPECT_EQ(outcome.reports.back().tracks[1].sources.size(), 4u);
+}
+
 TEST(SensorGuard, FalseSightingsBesideAMissedTargetAreNotHeldAgainstTheSensor) {
   std::vector<Scan> scans = scansOf(4, 30.0, {}, 10);
   std::mt19937_64 random(4);

@@ -45,8 +45,8 @@ struct SensorChange {
 
 /// How far a track can be a yardstick for a sensor.
 struct Vouching {
-  bool knows_sensor = false;  ///< the sensor has given it sightings
-  int others = 0;             ///< further sensors that gave it sightings lately and are in use
+  bool has_sensor = false;  ///< the sensor itself gave it sightings lately
+  int others = 0;           ///< further sensors that gave it sightings lately and are in use
 };
 
 /// Watches the sensors of one tracker. Plain state: it is copied with the tracker's state and goes back in
@@ -67,11 +67,14 @@ class SensorGuard {
 
   /// Whether a sensor that has been silent for so long [s] can still be held against others.
   bool mayVouch(const std::string& sensor, double silence) const {
-    return silence <= params_.support && !isExcluded(sensor);
+    return sees(silence) && !isExcluded(sensor);
   }
 
-  /// Whether a sighting may be one of the track's although it is outside the gate.
-  bool isInReach(const Expectation& expectation, const Sighting& sighting) const;
+  /// Whether a sensor that has been silent for so long [s] still sees a track.
+  bool sees(double silence) const { return silence <= params_.support; }
+
+  /// Whether a sighting of a biased sensor is where a sighting of the track would be, given the bias.
+  bool isGhost(const std::string& sensor, const Expectation& expectation, const Sighting& sighting) const;
 
   /// Takes a scan against what the tracks expected; `vouching` for each expectation. Nothing is judged yet.
   void watch(const Scan& scan, const std::vector<Expectation>& expectations, const Pairing& pairing,
@@ -80,8 +83,7 @@ class SensorGuard {
   /// Says when what the sensor's scans told up to `time` changes its verdict.
   std::optional<SensorChange> judge(Time time, const std::string& sensor);
 
-  /// Takes over from `later` what it knows of the sensors whose verdict changed at or after `since`, and of
-  /// those it alone knows.
+  /// Takes over from `later` what it knows of the sensors whose verdict changed at or after `since`.
   void adopt(const SensorGuard& later, Time since);
 
   /// Whether the verdict of the sensor changed at or after `since`.
@@ -91,6 +93,9 @@ class SensorGuard {
 
  private:
   struct Watch {
+    Watch(const std::string& name, const GuardParams& params, Time since)
+        : sensor(name), health(params.health, since), clock(params.clock, since) {}
+
     std::string sensor;
     SensorHealth health;
     ClockWatch clock;
@@ -98,10 +103,12 @@ class SensorGuard {
     bool clock_undecided = false;
     bool decides = false;    // whether there were others enough to tell who is to blame, at the last scan
     bool undecided = false;  // the present verdict
+    Time last_told{};        // when there was something to hold it against, last
     double clutter = 0.0;    // mean number of stray sightings in reach of a track that has its own
     int scans = 0;           // of which that is the mean
   };
 
+  static bool isGhost(const SensorHealth& health, const Innovation& innovation);
   std::size_t placeOf(const std::string& sensor) const;
   const Watch* find(const std::string& sensor) const;
   Watch* findOrStart(const std::string& sensor, Time time);

@@ -62,7 +62,8 @@ struct HealthChange {
 /// The watch over one sensor. Plain state: copies are independent, equal input gives equal bits.
 class SensorHealth {
  public:
-  /// A sum of evidence that starts anew whenever it falls to zero, and what has come since.
+  /// A sum of evidence that starts anew whenever it falls to zero, and what has come since there was more
+  /// than a little of it.
   struct CumulatedSum {
     double value = 0.0;
     Time began{};  ///< of the present excursion: its first sighting
@@ -91,6 +92,9 @@ class SensorHealth {
   /// Starts anew, as one of whom nothing is known.
   void forget(Time time);
 
+  /// Takes the present verdict back: there is nothing any more to hold it against.
+  HealthChange release(Time time);
+
   SensorVerdict verdict() const { return verdict_; }
 
   /// Factor on the stated variance with which the sensor is to be used: 1, or >= 1 where its noise has
@@ -99,6 +103,9 @@ class SensorHealth {
 
   /// The last change; none before the first.
   const std::optional<HealthChange>& lastChange() const { return last_change_; }
+
+  /// Mean innovation since the last change, while the sensor is not healthy [sigma].
+  PerChannel biasSinceChange() const;
 
   const CumulatedSum& noiseSum() const { return noise_; }                          ///< g
   const CumulatedSum& biasAboveSum(int channel) const { return above_[channel]; }  ///< g+
