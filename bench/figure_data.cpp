@@ -17,6 +17,7 @@
 #include "sightline/core/estimators.h"
 #include "sightline/core/local_tracker.h"
 #include "sightline/core/track_fusion.h"
+#include "sightline/core/tracklet_builder.h"
 
 #include "scenarios.h"
 
@@ -118,11 +119,15 @@ void printFusion(const char* form, const EstimatorParams& estimator, const core:
   core::LocalTrackerParams params;
   params.estimator = estimator;
   std::deque<core::LocalTracker> locals;
+  std::deque<core::TrackletBuilder> builders;
   core::TrackFusion node(fusion);
   Sensors sensors = sixSensors();
   sensors.scale = kFlatScale;
   sensors.synchronous = true;
-  for (std::size_t k = 0; k < sensors.sigmas.size(); ++k) locals.emplace_back(params);
+  for (std::size_t k = 0; k < sensors.sigmas.size(); ++k) {
+    locals.emplace_back(params);
+    builders.emplace_back(core::TrackletParams{});
+  }
   const Stream stream = simulate(scenarioOf("sin"), sensors, kRun);
   for (std::size_t i = 0; i < stream.size(); ++i) {
     const Instant& instant = stream[i];
@@ -130,7 +135,12 @@ void printFusion(const char* form, const EstimatorParams& estimator, const core:
     scan.time = instant.measurement.time;
     scan.sensor = "sensor " + std::to_string(instant.sensor + 1);
     scan.sightings = {core::sightingOf(instant.measurement.position, instant.measurement.covariance)};
-    const core::ScanReport report = locals[static_cast<std::size_t>(instant.sensor)].onScan(scan);
+    const auto sensor = static_cast<std::size_t>(instant.sensor);
+    const core::ScanReport report = locals[sensor].onScan(scan);
+    if (auto tracklets = builders[sensor].onScan(scan, report)) {
+      tracklets->tracker = "tracker of " + scan.sensor;
+      node.onTracklets(*tracklets);
+    }
     const core::FusionReport fused = node.onReport({"tracker of " + scan.sensor, report.time, report.tracks});
     if (!report.tracks.empty()) printState(form, scan.sensor, instant, report.tracks.front().state);
     const bool all_reported = i + 1 == stream.size() || stream[i + 1].tick != instant.tick;
@@ -163,12 +173,13 @@ void printAll() {
   printTracker(3, "consistent", one, twbls);
   printTracker(4, "paper", six, twbls_paper);
   printTracker(4, "consistent", six, twbls);
-  core::TrackFusionParams weighted;
+  core::TrackFusionParams weighted, best;
+  best.tracklets.estimator = twbls;
   weighted.rule = core::FusionRule::weighted_covariance;
   EstimatorParams local_paper = twenty;
   local_paper.twbls.anchor = core::TwblsAnchor::fit;
   printFusion("paper", local_paper, weighted);
-  printFusion("consistent", twbls, {});
+  printFusion("consistent", twbls, best);
   printTracker(6, "paper", one, noga_paper);
   printTracker(6, "consistent", one, noga);
 }

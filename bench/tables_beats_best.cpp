@@ -19,6 +19,7 @@
 #include "sightline/core/local_tracker.h"
 #include "sightline/core/metrics.h"
 #include "sightline/core/track_fusion.h"
+#include "sightline/core/tracklet_builder.h"
 
 #include "monte_carlo.h"
 #include "parallel.h"
@@ -45,6 +46,7 @@ std::vector<Fuser> fusers() {
     all.push_back({name, params, rule == core::TrackFusionParams{}.rule});
     if (all.back().is_default) all.back().name += " (default)";
   };
+  add("best rule: tracklets", core::FusionRule::best);
   add("weighted covariance", core::FusionRule::weighted_covariance);
   add("cross-covariance", core::FusionRule::cross_covariance);
   return all;
@@ -93,8 +95,14 @@ std::vector<RunFigures> follow(const Experiment& experiment, const std::vector<F
   std::deque<core::LocalTracker> locals;
   for (std::size_t k = 0; k < experiment.sigmas.size(); ++k) locals.emplace_back(params);
   core::LocalTracker central(params);
-  std::vector<core::TrackFusion> nodes;
-  for (const Fuser& rule : rules) nodes.emplace_back(rule.params);
+  std::deque<core::TrackletBuilder> builders;
+  for (std::size_t k = 0; k < experiment.sigmas.size(); ++k) builders.emplace_back(core::TrackletParams{});
+  std::deque<core::TrackFusion> nodes;
+  for (const Fuser& rule : rules) {
+    core::TrackFusionParams fusion = rule.params;
+    fusion.tracklets.estimator = experiment.estimator;
+    nodes.emplace_back(fusion);
+  }
 
   std::vector<RunFigures> figures(2 + rules.size());
   const Sensors sensors{experiment.sigmas, kAmplitude, true};
@@ -107,7 +115,13 @@ std::vector<RunFigures> follow(const Experiment& experiment, const std::vector<F
     std::vector<core::FusionReport> answers(nodes.size());
     for (; i < stream.size() && stream[i].tick == tick; ++i) {
       const core::Scan scan = scanOf(stream[i]);
-      const core::ScanReport local = locals[static_cast<std::size_t>(stream[i].sensor)].onScan(scan);
+      const auto sensor = static_cast<std::size_t>(stream[i].sensor);
+      const core::ScanReport local = locals[sensor].onScan(scan);
+      if (auto tracklets = builders[sensor].onScan(scan, local)) {
+        tracklets->tracker = "tracker_of_" + scan.sensor;
+        for (std::size_t k = 0; k < nodes.size(); ++k)
+          if (rules[k].params.rule == core::FusionRule::best) nodes[k].onTracklets(*tracklets);
+      }
       if (stream[i].sensor == 0 && !local.tracks.empty()) best = local.tracks.front().state;
       const core::ScanReport together = central.onScan(scan);
       if (!together.tracks.empty()) all = together.tracks.front().state;
