@@ -223,8 +223,8 @@ void printTrackFusion(const Options& options) {
   for (const char* scenario : {"sin", "weave", "ncv0.3"}) {
     printExperiment({scenario, "Kalman q = 0.3", kalman}, options);
     printExperiment({scenario, "NOGA", noga}, options);
-    if (!options.quick) printExperiment({scenario, "TWBLS", twbls}, options);
   }
+  if (!options.quick) printExperiment({"sin", "TWBLS", twbls}, options);
 }
 
 }  // namespace sightline::bench
