@@ -2,11 +2,14 @@
 
 #include "sightline/ros/nodelet_of.h"
 #include "sightline/ros/sighting_adapter_node.h"
+#include "sightline/ros/spot_detector_node.h"
 
 namespace sightline_ros {
 
 using SightingAdapterNodelet = NodeletOf<SightingAdapterNode>;
+using SpotDetectorNodelet = NodeletOf<SpotDetectorNode>;
 
 }  // namespace sightline_ros
 
 PLUGINLIB_EXPORT_CLASS(sightline_ros::SightingAdapterNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(sightline_ros::SpotDetectorNodelet, nodelet::Nodelet)

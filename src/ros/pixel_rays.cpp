@@ -60,6 +60,13 @@ std::optional<std::string> faultOf(const sensor_msgs::CameraInfo& camera) {
   return std::nullopt;
 }
 
+bool isSameCalibration(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
+  return a.header.frame_id == b.header.frame_id && a.width == b.width && a.height == b.height &&
+         a.distortion_model == b.distortion_model && a.D == b.D && a.K == b.K && a.R == b.R && a.P == b.P &&
+         a.binning_x == b.binning_x && a.binning_y == b.binning_y && a.roi.x_offset == b.roi.x_offset &&
+         a.roi.y_offset == b.roi.y_offset && a.roi.width == b.roi.width && a.roi.height == b.roi.height;
+}
+
 sensor_msgs::CameraInfo pinholeCamera(unsigned width, unsigned height, const Eigen::Vector2d& field_of_view) {
   sensor_msgs::CameraInfo camera;
   camera.width = width;

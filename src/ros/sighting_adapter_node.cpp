@@ -16,13 +16,6 @@ using Kind = AdapterTopic::Kind;
 constexpr std::uint32_t kQueue = 1000;              // messages a topic
 constexpr double kSecondsBetweenDiagnostics = 1.0;  // of the wall's clock
 
-bool isSameCalibration(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
-  return a.header.frame_id == b.header.frame_id && a.width == b.width && a.height == b.height &&
-         a.distortion_model == b.distortion_model && a.D == b.D && a.K == b.K && a.R == b.R && a.P == b.P &&
-         a.binning_x == b.binning_x && a.binning_y == b.binning_y && a.roi.x_offset == b.roi.x_offset &&
-         a.roi.y_offset == b.roi.y_offset && a.roi.width == b.roi.width && a.roi.height == b.roi.height;
-}
-
 std::vector<std::uint8_t> bytesOf(const topic_tools::ShapeShifter& message) {
   std::vector<std::uint8_t> bytes(message.size());
   ros::serialization::OStream stream(bytes.data(), message.size());

@@ -21,6 +21,9 @@ namespace sightline_ros {
 /// distortion model that image_geometry does not know.
 std::optional<std::string> faultOf(const sensor_msgs::CameraInfo& camera);
 
+/// Whether two CameraInfos say the same but for their stamps.
+bool isSameCalibration(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b);
+
 /// The calibration of an ideal pinhole camera whose image spans a field of view [rad, full angles, below pi].
 sensor_msgs::CameraInfo pinholeCamera(unsigned width, unsigned height, const Eigen::Vector2d& field_of_view);
 
