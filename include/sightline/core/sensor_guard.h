@@ -99,7 +99,7 @@ class SensorGuard {
     std::string sensor;
     SensorHealth health;
     ClockWatch clock;
-    std::optional<ClockOffset> wrong_clock;
+    std::optional<ClockOffset> wrong_clock = std::nullopt;
     bool clock_undecided = false;
     bool decides = false;    // whether there were others enough to tell who is to blame, at the last scan
     bool undecided = false;  // the present verdict
