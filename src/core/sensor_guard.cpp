@@ -102,7 +102,7 @@ double SensorGuard::noiseScale(const std::string& sensor) const {
 
 double SensorGuard::clockVariance(const std::string& sensor) const {
   const Watch* watch = find(sensor);
-  if (watch == nullptr || !watch->wrong_clock) return 0.0;
+  if (watch == nullptr || !watch->wrong_clock || watch->clock_undecided) return 0.0;
   return watch->wrong_clock->behind * watch->wrong_clock->behind +
          watch->wrong_clock->sigma * watch->wrong_clock->sigma;
 }

@@ -117,6 +117,23 @@ TEST(ClockOffset, OfTwoClocksThatDifferBothAreNamed) {
   EXPECT_NEAR(sensors[1].clock->behind, 0.06, 5.0 * sensors[1].clock->sigma);
 }
 
+TEST(ClockOffset, OfTwoClocksThatDifferNothingChangesToTheLastBit) {
+  LocalTrackerParams params, unguarded;
+  unguarded.guard.enabled = false;
+  LocalTracker with(params), without(unguarded);
+  bool is_said = false;
+  for (const Scan& scan : scansOf(kSine, {0.0, 0.06}, 30.0, 1)) {
+    const ScanReport a = with.onScan(scan), b = without.onScan(scan);
+    ASSERT_EQ(a.tracks.size(), b.tracks.size());
+    for (std::size_t i = 0; i < a.tracks.size(); ++i) {
+      ASSERT_EQ(a.tracks[i].state.mean, b.tracks[i].state.mean);
+      ASSERT_EQ(a.tracks[i].state.covariance, b.tracks[i].state.covariance);
+    }
+    is_said = is_said || (!with.sensors().empty() && with.sensors()[0].clock);
+  }
+  EXPECT_TRUE(is_said);
+}
+
 TEST(ClockOffset, TheOrderOfArrivalChangesNothing) {
   std::vector<Scan> scans = scansOf(kSine, {0.0, 0.06, 0.0}, 20.0, 2), shuffled = scans;
   std::mt19937_64 random(1);

@@ -62,7 +62,8 @@ class SensorGuard {
 
   bool isExcluded(const std::string& sensor) const { return std::isinf(noiseScale(sensor)); }
 
-  /// Mean square by which the sensor's stamps are off [s^2]; zero while its clock is not known to be wrong.
+  /// Mean square by which the sensor's stamps are off [s^2]; zero while its clock is not known to be wrong,
+  /// and while it may as well be the only other one's.
   double clockVariance(const std::string& sensor) const;
 
   /// Whether a sensor that has been silent for so long [s] can still be held against others.
