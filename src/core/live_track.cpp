@@ -1,6 +1,7 @@
 #include "sightline/core/live_track.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -12,11 +13,22 @@ constexpr double kPaces = 4.0;               // usual intervals that a silence m
 constexpr double kIntervalMemory = 0.2;      // share of the newest interval in the usual one
 constexpr double kInnovationMemory = 0.1;    // share of the newest innovation in the running mean
 constexpr double kLargestInnovation = 25.0;  // d^2 / 2 that one sighting may count for at most
+constexpr double kSourceMemory = 0.3;        // the same for the innovations of one sensor
 constexpr std::size_t kMostSources = 64;
 
 bool isUsable(const AngularState& state) {
   return state.mean.allFinite() && state.covariance.allFinite() &&
          Eigen::LLT<Eigen::Matrix4d>(state.covariance).info() == Eigen::Success;
+}
+
+/// The median, and zero where the two in the middle are of different signs: what most agree on. Sorts the
+/// values.
+double middleOf(double* values, int count) {
+  if (count == 0) return 0.0;
+  std::sort(values, values + count);
+  const double a = values[(count - 1) / 2], b = values[count / 2];
+  if (a * b <= 0.0) return 0.0;
+  return 0.5 * (a + b);
 }
 
 }  // namespace
@@ -28,7 +40,7 @@ LiveTrack::LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sightin
       estimator_(std::move(estimator)),
       last_covariance_(chart_.covarianceOf(sighting)),
       last_sighting_(scan.time) {
-  noteSource(scan);
+  noteSource(scan, Eigen::Vector2d::Zero());
   estimator_->update(measurementOf(scan, sighting));
 }
 
@@ -70,6 +82,7 @@ Expectation LiveTrack::expect(Time time, bool adapt_gate) {
     const Eigen::Matrix3d R_new_old = next.R_chart_tracking() * chart_.R_chart_tracking().transpose();
     const Eigen::Matrix2d J = rotationJacobian(expectation.prediction.angles(), R_new_old);
     last_covariance_ = symmetric(J * last_covariance_ * J.transpose());
+    for (Source& source : sources_) source.innovation = J * source.innovation;
     estimator_->rotate(R_new_old);
     chart_ = next;
     expectation.prediction = *estimator_->stateAt(time);
@@ -98,7 +111,7 @@ void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectati
   misses_ = 0;
   ++hits_;
   ++scans_;
-  noteSource(scan);
+  noteSource(scan, innovation);
   if (status_ == TrackStatus::coasting || static_cast<int>(hits_) >= lifecycle.confirm_hits)
     status_ = TrackStatus::confirmed;
 }
@@ -115,23 +128,29 @@ void LiveTrack::miss(const Scan& scan, const LifecycleParams& lifecycle) {
 
 Vouching LiveTrack::vouchingFor(const std::string& sensor, Time time, const SensorGuard& guard) const {
   Vouching vouching;
+  std::array<std::array<double, kMostSources>, 2> innovations;
   for (const Source& source : sources_) {
     if (source.sensor == sensor) {
       vouching.has_sensor = guard.sees(seconds(time - source.last_sighting));
     } else if (guard.mayVouch(source.sensor, seconds(time - source.last_sighting))) {
+      for (int channel = 0; channel < 2; ++channel)
+        innovations[channel][vouching.others] = source.innovation(channel);
       ++vouching.others;
     }
   }
+  for (int channel = 0; channel < 2; ++channel)
+    vouching.shared(channel) = middleOf(innovations[channel].data(), vouching.others);
   return vouching;
 }
 
-void LiveTrack::noteSource(const Scan& scan) {
+void LiveTrack::noteSource(const Scan& scan, const Eigen::Vector2d& innovation) {
   for (Source& source : sources_) {
     if (source.sensor != scan.sensor) continue;
     source.last_sighting = scan.time;
+    source.innovation += kSourceMemory * (innovation - source.innovation);
     return;
   }
-  if (sources_.size() < kMostSources) sources_.push_back({scan.sensor, scan.time});
+  if (sources_.size() < kMostSources) sources_.push_back({scan.sensor, scan.time, innovation});
 }
 
 double LiveTrack::limit(double silence) const {

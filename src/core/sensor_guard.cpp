@@ -158,7 +158,8 @@ void SensorGuard::watch(const Scan& scan, const std::vector<Expectation>& expect
       watch->scans = std::min(watch->scans + 1, kClutterMemory);
       watch->clutter += (nearby.count - watch->clutter) / watch->scans;
       const Sighting& sighting = scan.sightings[static_cast<std::size_t>(own)];
-      const Innovation innovation = innovationOf(expectations[i], sighting);
+      Innovation innovation = innovationOf(expectations[i], sighting);
+      innovation.shared = vouching[i].shared;
       watch->health.take(scan.time, innovation);
       watch->clock.take(scan.time, innovation.nu.matrix(), expectations[i].chart.covarianceOf(sighting),
                         expectations[i].prediction);

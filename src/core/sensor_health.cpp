@@ -14,6 +14,9 @@ constexpr double kPriceOfBias = 1.0;     // log likelihood by which a bias, with
 constexpr double kWeakEvidence = 3.0;    // of a sum: what came up to there may be from before the change
 constexpr double kLargestShare = 0.1;    // of one instant in the sizes, however seldom the sensor looks
 constexpr double kSecondThoughts = 4.0;  // log likelihood that overturns a verdict
+constexpr double kSharedByChance = 0.3;  // mean innovation of others that says nothing yet [sigma]
+constexpr double kUnequalShares =
+    2.0;  // a track that lags is off by so much more just before it is corrected
 
 const SensorHealthParams& checked(const SensorHealthParams& params, int channels) {
   const bool positive = params.noise_threshold > 0.0 && params.largest_evidence > 0.0 &&
@@ -34,6 +37,13 @@ const SensorHealthParams& checked(const SensorHealthParams& params, int channels
 
 PerChannel cut(const PerChannel& values, double most) {
   return values.cwiseMax(-most).cwiseMin(most);
+}
+
+/// By how much a track may be off [sigma] from what the other sensors see.
+PerChannel trackError(const Innovation& innovation) {
+  if (innovation.shared.size() == 0) return PerChannel::Zero(innovation.nu.size());
+  const PerChannel shared = innovation.shared / (innovation.predicted + innovation.stated).sqrt();
+  return kUnequalShares * shared.sign() * (shared.abs() - kSharedByChance).cwiseMax(0.0);
 }
 
 /// Log likelihood of what a sum has taken if the noise is the largest that explains it, less that of a bias
@@ -100,17 +110,21 @@ std::optional<HealthChange> SensorHealth::add(Time time, const Innovation& innov
   return judge(time);
 }
 
-/// The sums of section 5.1: one for the variance over both channels, two for the mean of each.
+/// The sums of section 5.1: one for the variance over both channels, two for the mean of each. What a track
+/// is off by speaks against no sensor; it is never held against one that does not show it.
 void SensorHealth::cumulate(Time time, const Innovation& innovation, const PerChannel& u, double ratio) {
   const PerChannel expected = innovation.predicted + innovation.stated;
   const PerChannel grown = innovation.predicted + params_.noise_ratio * innovation.stated;
+  const PerChannel error = trackError(innovation);
+  const PerChannel above = u - error.cwiseMax(0.0), below = -u - (-error).cwiseMax(0.0);
+  const PerChannel own = above.cwiseMax(below).cwiseMax(0.0);
   const PerChannel evidence =
-      0.5 * (innovation.nu.square() * (1.0 / expected - 1.0 / grown) + (expected / grown).log());
+      0.5 * (own.square() * expected * (1.0 / expected - 1.0 / grown) + (expected / grown).log());
   noise_.add(evidence.cwiseMin(params_.largest_evidence).sum(), time, u, ratio);
-  const PerChannel side = cut(u, params_.largest_innovation);
-  for (int channel = 0; channel < side.size(); ++channel) {
-    above_[channel].add(side(channel) - params_.bias_slack, time, u, ratio);
-    below_[channel].add(-side(channel) - params_.bias_slack, time, u, ratio);
+  const PerChannel up = cut(above, params_.largest_innovation), down = cut(below, params_.largest_innovation);
+  for (int channel = 0; channel < u.size(); ++channel) {
+    above_[channel].add(up(channel) - params_.bias_slack, time, u, ratio);
+    below_[channel].add(down(channel) - params_.bias_slack, time, u, ratio);
   }
 }
 

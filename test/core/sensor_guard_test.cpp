@@ -1,6 +1,7 @@
 #include "sightline/core/sensor_guard.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -202,6 +203,48 @@ INSTANTIATE_TEST_SUITE_P(Estimators, Guard, testing::Values(EstimatorKind::twbls
                          [](const auto& parameters) {
                            return parameters.param == EstimatorKind::noga ? "noga" : "twbls";
                          });
+
+/// Sensors at different phases that look at a target which bends more than the filter takes for possible.
+class LaggingFilter : public testing::TestWithParam<int> {
+ protected:
+  static std::vector<Scan> scansOnACurve(int sensors, unsigned seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> noise(0.0, 1e-3);
+    const std::array<double, 6> phases = {0.0, 0.011, 0.007, 0.003, 0.024, 0.017};  // [s]
+    std::vector<Scan> scans;
+    for (int k = 0; k < 600; ++k) {
+      for (int sensor = 0; sensor < sensors; ++sensor) {
+        const double t = 0.03 * k + phases[static_cast<std::size_t>(sensor)];
+        Scan scan;
+        scan.time = at(t);
+        scan.sensor = "sensor_" + std::to_string(sensor);
+        const Eigen::Vector2d angles(0.3 * std::sin(t) + noise(random),
+                                     0.1 * std::cos(2.0 * t) + noise(random));
+        scan.sightings = {sightingOf(angles, 1e-6 * Eigen::Matrix2d::Identity())};
+        scans.push_back(scan);
+      }
+    }
+    std::sort(scans.begin(), scans.end(), precedes);
+    return scans;
+  }
+};
+
+TEST_P(LaggingFilter, IsHeldAgainstNoSensorAndChangesNothingToTheLastBit) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    LocalTracker guarded(paramsWith(true, EstimatorKind::kalman));
+    LocalTracker plain(paramsWith(false, EstimatorKind::kalman));
+    const std::vector<Scan> scans = scansOnACurve(GetParam(), seed);
+    const Outcome with = track(guarded, scans), without = track(plain, scans);
+    for (const SensorChange& change : with.changes)
+      ADD_FAILURE() << change.sensor << " since " << seconds(change.change.began - at(0.0)) << " s, seed "
+                    << seed;
+    for (const WatchedSensor& sensor : guarded.sensors()) EXPECT_FALSE(sensor.clock) << sensor.sensor;
+    for (std::size_t k = 0; k < scans.size(); ++k)
+      expectSameTracks(with.reports[k].tracks, without.reports[k].tracks);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sensors, LaggingFilter, testing::Values(2, 3, 6));
 
 TEST(SensorGuard, ATargetThatTheExcludedSensorAloneSeesIsStillTracked) {
   std::vector<Scan> scans = scansOf(4, 8.0, {1.0, 3.0}, 8);

@@ -71,10 +71,11 @@ class LiveTrack {
   struct Source {
     std::string sensor;
     Time last_sighting;
+    Eigen::Vector2d innovation = Eigen::Vector2d::Zero();  // mean of the last ones, in the chart [rad]
   };
 
   Measurement measurementOf(const Scan& scan, const Sighting& sighting) const;
-  void noteSource(const Scan& scan);
+  void noteSource(const Scan& scan, const Eigen::Vector2d& innovation);
   double limit(double silence) const;
   double gateScale(bool adapt_gate) const;
 

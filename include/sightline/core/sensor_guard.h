@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "sightline/core/association.h"
 #include "sightline/core/clock_offset.h"
 #include "sightline/core/sensor_health.h"
@@ -47,6 +49,7 @@ struct SensorChange {
 struct Vouching {
   bool has_sensor = false;  ///< the sensor itself gave it sightings lately
   int others = 0;           ///< further sensors that gave it sightings lately and are in use
+  Eigen::Vector2d shared = Eigen::Vector2d::Zero();  ///< middle of their mean innovations, lately [rad]
 };
 
 /// Watches the sensors of one tracker. Plain state: it is copied with the tracker's state and goes back in

@@ -48,6 +48,9 @@ struct Innovation {
   PerChannel nu;         ///< sighting - prediction [rad]
   PerChannel predicted;  ///< variance of the prediction, P [rad^2], >= 0
   PerChannel stated;     ///< variance that the sensor states, R [rad^2], > 0
+  /// Mean innovation of the other sensors that see the track, lately [rad]: what the track itself is off by,
+  /// where it does not follow the target. Empty = not known.
+  PerChannel shared = PerChannel();
 };
 
 /// A change of a sensor's verdict.
