@@ -15,8 +15,7 @@ constexpr double kWeakEvidence = 3.0;    // of a sum: what came up to there may 
 constexpr double kLargestShare = 0.1;    // of one instant in the sizes, however seldom the sensor looks
 constexpr double kSecondThoughts = 4.0;  // log likelihood that overturns a verdict
 constexpr double kSharedByChance = 0.3;  // mean innovation of others that says nothing yet [sigma]
-constexpr double kUnequalShares =
-    2.0;  // a track that lags is off by so much more just before it is corrected
+constexpr double kUnequalShares = 2.0;   // a lag shows by so much more in one sensor than in another
 
 const SensorHealthParams& checked(const SensorHealthParams& params, int channels) {
   const bool positive = params.noise_threshold > 0.0 && params.largest_evidence > 0.0 &&

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 #include <limits>
 #include <string>
 #include <sys/wait.h>
@@ -19,38 +18,11 @@
 #include <sightline/TrackArray.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include "heard.h"
+
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kPatience = 30.0;  // [s], for what takes milliseconds on an idle machine
-
-/// Keeps everything that was said on a topic.
-template <typename Message>
-class Heard {
- public:
-  Heard(ros::NodeHandle& nh, const std::string& topic)
-      : subscriber_(nh.subscribe(topic, 10000, &Heard::take, this)) {}
-
-  const std::vector<Message>& messages() const { return messages_; }
-  bool isConnected() const { return subscriber_.getNumPublishers() > 0; }
-
- private:
-  void take(const boost::shared_ptr<const Message>& message) { messages_.push_back(*message); }
-
-  std::vector<Message> messages_;
-  ros::Subscriber subscriber_;
-};
-
-/// Serves callbacks until the condition holds; false when it does not within kPatience.
-bool eventually(const std::function<bool()>& condition) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
-  while (ros::ok() && ros::WallTime::now() < end) {
-    ros::spinOnce();
-    if (condition()) return true;
-    ros::WallDuration(0.002).sleep();
-  }
-  return condition();
-}
 
 sightline::Sighting sightingAt(double azimuth) {
   sightline::Sighting sighting;

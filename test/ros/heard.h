@@ -1,0 +1,41 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <ros/ros.h>
+
+constexpr double kPatience = 30.0;  // [s], for what takes milliseconds on an idle machine
+
+/// Keeps everything that was said on a topic.
+template <typename Message>
+class Heard {
+ public:
+  Heard(ros::NodeHandle& nh, const std::string& topic)
+      : subscriber_(nh.subscribe(topic, 10000, &Heard::take, this, ros::TransportHints().tcpNoDelay())) {}
+
+  const std::vector<Message>& messages() const { return messages_; }
+  bool isConnected() const { return subscriber_.getNumPublishers() > 0; }
+  void forget() { messages_.clear(); }
+
+ private:
+  void take(const boost::shared_ptr<const Message>& message) { messages_.push_back(*message); }
+
+  std::vector<Message> messages_;
+  ros::Subscriber subscriber_;
+};
+
+/// Serves callbacks until the condition holds, doing something about it meanwhile; false when it does not
+/// within kPatience.
+inline bool eventually(
+    const std::function<bool()>& condition, const std::function<void()>& meanwhile = [] {}) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+  while (ros::ok() && ros::WallTime::now() < end) {
+    ros::spinOnce();
+    if (condition()) return true;
+    meanwhile();
+    ros::WallDuration(0.002).sleep();
+  }
+  return condition();
+}
