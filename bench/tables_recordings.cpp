@@ -47,16 +47,6 @@ struct Outcome {
   }
 };
 
-/// Factor on the stated variances with which an estimator uses its sightings, 1 if it takes them as stated.
-template <typename Estimator>
-auto noiseScaleOf(const Estimator& estimator, int) -> decltype(estimator.noiseScale()) {
-  return estimator.noiseScale();
-}
-template <typename Estimator>
-double noiseScaleOf(const Estimator&, long) {
-  return 1.0;
-}
-
 /// Index of the sighting nearest to `time`, or none within kNearby.
 std::optional<std::size_t> nearest(const Stretch& stretch, core::Time time) {
   const auto after = std::lower_bound(stretch.times.begin(), stretch.times.end(), time);
@@ -85,8 +75,8 @@ class Follower {
       const core::Time time = stretch_.times[i];
       const core::Measurement measurement = measured(i);
       if (const auto state = estimator_->stateAt(time); state && core::seconds(time - start) > kSettled) {
-        const Eigen::Matrix2d S =
-            state->anglesCovariance() + noiseScaleOf(*estimator_, 0) * measurement.covariance;
+        const Eigen::Matrix2d S = state->anglesCovariance() +
+                                  core::noiseCovariance(measurement.covariance, estimator_->noiseScale());
         const Eigen::Vector2d innovation = core::angleDifference(measurement.position, state->angles());
         sum_nis += innovation.dot(S.llt().solve(innovation)) / 2.0;
         ++innovations;
@@ -102,7 +92,7 @@ class Follower {
       blocks[block] += angle * angle;
       ++outcome.predictions;
     }
-    outcome.noise_scale = noiseScaleOf(*estimator_, 0);
+    outcome.noise_scale = estimator_->noiseScale().mean();
   }
 
  private:

@@ -23,25 +23,41 @@ struct Candidate {
 /// longer than the largest half width that S can have. In a chart the azimuth's variance is at most
 /// 1/cos^2(80 deg) = 33 times that on the sphere.
 bool isFarAway(const Expectation& expectation, const Eigen::Vector3d& predicted, const Sighting& sighting,
-               const GateParams& params, double threshold) {
+               double noise_scale, const GateParams& params, double threshold) {
+  const double largest_noise = std::max(expectation.noise_scale.maxCoeff(), 1.0 / noise_scale);
   const double largest_variance =
-      expectation.innovation_scale * (expectation.prediction.anglesCovariance().trace() +
-                                      expectation.smear.trace() + 34.0 * sighting.covariance.trace());
+      expectation.innovation_scale *
+      (expectation.prediction.anglesCovariance().trace() + expectation.smear.trace() +
+       34.0 * std::max(largest_noise, 1.0) * sighting.covariance.trace());
   const double reach = threshold * largest_variance + 2.0 * params.min_half_width * params.min_half_width;
   return (sighting.direction - predicted).squaredNorm() > reach;
 }
 
-Association comparison(const Expectation& expectation, const Sighting& sighting, const GateParams& params,
-                       double threshold, Gate& gate) {
-  gate = gateOf(expectation.prediction, expectation.chart.covarianceOf(sighting) + expectation.smear, params,
-                expectation.innovation_scale);
+/// The pair by one covariance of the sighting's noise; `is_inside`: whether it is within the gate.
+Association compare(const Expectation& expectation, const Sighting& sighting, const Eigen::Matrix2d& noise,
+                    const GateParams& params, double threshold, bool& is_inside) {
+  const Gate gate = gateOf(expectation.prediction, noise, params, expectation.innovation_scale);
   Association pair;
   pair.track = expectation.id;
   pair.innovation = angleDifference(expectation.chart.coordinatesOf(sighting.direction), gate.centre);
   pair.covariance = gate.covariance;
   pair.distance_squared = distanceSquared(gate, pair.innovation);
   pair.threshold = threshold;
+  is_inside = isInside(gate, pair.innovation, params);
   return pair;
+}
+
+/// The pair by the noise that has been found; where that is less than stated, and the sighting is outside, by
+/// the stated one: now and then a sensor that is calmer than it says is only as accurate as it says.
+Association comparison(const Expectation& expectation, const Sighting& sighting, double noise_scale,
+                       const GateParams& params, double threshold, bool& is_inside) {
+  const Association found =
+      compare(expectation, sighting, expectation.noiseOf(sighting), params, threshold, is_inside);
+  const Eigen::Vector2d stated = expectation.noise_scale.cwiseMax(std::max(1.0 / noise_scale, 1.0));
+  if (is_inside || stated == expectation.noise_scale) return found;
+  return compare(expectation, sighting,
+                 noiseCovariance(expectation.chart.covarianceOf(sighting), stated) + expectation.smear,
+                 params, threshold, is_inside);
 }
 
 /// All pairs inside a gate; `decisions` keeps for each sighting the nearest track, in its gate or not.
@@ -54,12 +70,12 @@ std::vector<Candidate> candidatesOf(const Scan& scan, const std::vector<Expectat
     const Eigen::Vector3d predicted = expectation.chart.directionAt(expectation.prediction.angles());
     for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
       const Sighting& sighting = scan.sightings[j];
-      if (isFarAway(expectation, predicted, sighting, params, threshold)) continue;
-      Gate gate;
-      Association pair = comparison(expectation, sighting, params, threshold, gate);
+      if (isFarAway(expectation, predicted, sighting, scan.noise_scale, params, threshold)) continue;
+      bool is_inside = false;
+      Association pair = comparison(expectation, sighting, scan.noise_scale, params, threshold, is_inside);
       pair.sighting = static_cast<std::uint32_t>(j);
       if (!(decisions[j].distance_squared <= pair.distance_squared)) decisions[j] = pair;
-      if (!isInside(gate, pair.innovation, params)) continue;
+      if (!is_inside) continue;
       const double cost = pair.distance_squared + std::log(pair.covariance.determinant());
       candidates.push_back({static_cast<int>(i), static_cast<int>(j), std::move(pair), cost});
     }

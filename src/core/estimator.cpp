@@ -18,6 +18,11 @@ Measurement rotate(const Measurement& measurement, const Eigen::Matrix3d& R_new_
   return turned;
 }
 
+Eigen::Matrix2d noiseCovariance(const Eigen::Matrix2d& R, const Eigen::Vector2d& noise_scale) {
+  const Eigen::Vector2d factors = noise_scale.cwiseSqrt();
+  return factors.asDiagonal() * R * factors.asDiagonal();
+}
+
 AngularState firstState(const Measurement& measurement, double rate_sigma) {
   AngularState state;
   state.mean << measurement.position, Eigen::Vector2d::Zero();

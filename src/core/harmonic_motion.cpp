@@ -46,6 +46,58 @@ Transition harmonicCore(const Eigen::Vector4d& state, double h, double q, double
   return step;
 }
 
+/// Response of (position, rate, acceleration) to a unit jerk `s` seconds ago, z = s / tau: s^(2-i) times
+/// sum_k (-z)^k / (k + 2 - i)!.
+constexpr int kTerms = 12;
+constexpr double kFadingSeriesBelow = 0.5;  // z
+
+double factorial(int n) {
+  double product = 1.0;
+  for (int i = 2; i <= n; ++i) product *= i;
+  return product;
+}
+
+/// Coefficients of the integral of the responses' products: Q_ij = h^(5-i-j) sum_n c_ij,n (-h/tau)^n.
+struct FadingSeries {
+  double c[3][3][kTerms] = {};
+  FadingSeries() {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        for (int n = 0; n < kTerms; ++n) {
+          for (int k = 0; k <= n; ++k) c[i][j][n] += 1.0 / (factorial(k + 2 - i) * factorial(n - k + 2 - j));
+          c[i][j][n] /= n + 5 - i - j;
+        }
+      }
+    }
+  }
+};
+
+/// Covariance of (position, rate, acceleration) after `h` >= 0 seconds of white jerk of density one.
+Eigen::Matrix3d fadingNoise(double h, double tau) {
+  const double z = h / tau;
+  Eigen::Matrix3d Q;
+  if (z < kFadingSeriesBelow) {  // the closed form cancels
+    static const FadingSeries series;
+    const double power[] = {h, h * h, h * h * h, h * h * h * h, h * h * h * h * h};
+    for (int i = 0; i < 3; ++i) {
+      for (int j = i; j < 3; ++j) {
+        double sum = 0.0;
+        for (int n = kTerms; n-- > 0;) sum = series.c[i][j][n] - z * sum;
+        Q(i, j) = Q(j, i) = power[4 - i - j] * sum;
+      }
+    }
+    return Q;
+  }
+  const double e = std::exp(-z), e2 = e * e, tau2 = tau * tau, tau3 = tau2 * tau;
+  Q(0, 0) = tau3 * tau2 / 2.0 * (1.0 - e2 + 2.0 * z + 2.0 / 3.0 * z * z * z - 2.0 * z * z - 4.0 * z * e);
+  Q(0, 1) = Q(1, 0) = tau2 * tau2 / 2.0 * (e2 + 1.0 - 2.0 * e + 2.0 * z * e - 2.0 * z + z * z);
+  Q(0, 2) = Q(2, 0) = tau3 / 2.0 * (1.0 - e2 - 2.0 * z * e);
+  Q(1, 1) = tau3 / 2.0 * (4.0 * e - 3.0 - e2 + 2.0 * z);
+  Q(1, 2) = Q(2, 1) = tau2 / 2.0 * (1.0 - e) * (1.0 - e);
+  Q(2, 2) = tau / 2.0 * (1.0 - e2);
+  return Q;
+}
+
 }  // namespace
 
 Stumpff stumpff(double z) {
@@ -102,6 +154,25 @@ Transition straightStep(const Eigen::Vector4d& state, double h, double q, double
   step.Q.topLeftCorner<2, 2>() << age * age * age / 3.0, h * age / 2.0, h * age / 2.0, age;
   step.Q *= q;
   step.Q(2, 2) = acceleration_sigma * acceleration_sigma;
+  step.Q(3, 3) = kappa_sigma * kappa_sigma;
+  return step;
+}
+
+Transition fadingStep(const Eigen::Vector4d& state, double h, double q, double tau, double kappa_sigma) {
+  const double age = std::abs(h), faded = -std::expm1(-age / tau);
+  const double sign = h < 0.0 ? -1.0 : 1.0;
+  Transition step;
+  step.F.setZero();
+  step.F.topLeftCorner<3, 3>() << 1.0, h, tau * (age - tau * faded),  //
+      0.0, 1.0, sign * tau * faded,                                   //
+      0.0, 0.0, 1.0 - faded;
+  step.mean = step.F * state;
+  step.Q.setZero();
+  step.Q.topLeftCorner<3, 3>() = q * fadingNoise(age, tau);
+  step.Q(0, 1) *= sign;
+  step.Q(1, 0) *= sign;
+  step.Q(1, 2) *= sign;
+  step.Q(2, 1) *= sign;
   step.Q(3, 3) = kappa_sigma * kappa_sigma;
   return step;
 }

@@ -37,7 +37,7 @@ void forgetAcceleration(Motion<6>& motion) {
 }  // namespace
 
 ImmEstimator::ImmEstimator(const ImmParams& params)
-    : params_(params), chain_(static_cast<int>(params.models.size()), params.dwell) {
+    : params_(params), chain_(ModeArray::Ones(static_cast<Eigen::Index>(params.models.size())), params.dwell) {
   check(params);
 }
 
@@ -75,12 +75,13 @@ std::optional<AngularState> ImmEstimator::stateAt(Time time) const {
 
 /// What each model expects `h` seconds after the last sighting, after the models have interacted.
 ImmEstimator::Motions ImmEstimator::predicted(double h) const {
-  const ModeMatrix mixing = chain_.mixing(h);
+  const ModeArray own = chain_.ownShares(h);
+  const Motion<6> all = mixture(chain_.probabilities(), motions_.data());
   Motions ahead;
   for (int mode = 0; mode < modes(); ++mode) {
     const ImmModel& model = params_.models[static_cast<std::size_t>(mode)];
     const Eigen::Matrix2d density = model.noise.densityFor(noise_.covariance());
-    Motion<6>& motion = ahead[mode] = mixture(mixing.col(mode), motions_.data());
+    Motion<6>& motion = ahead[mode] = mixture(own(mode), motions_[mode], all);
     if (model.order == 1) {
       forgetAcceleration(motion);
       moveOn(motion, h);

@@ -15,6 +15,8 @@ constexpr double kInnovationMemory = 0.1;    // share of the newest innovation i
 constexpr double kLargestInnovation = 25.0;  // d^2 / 2 that one sighting may count for at most
 constexpr double kSourceMemory = 0.3;        // the same for the innovations of one sensor
 constexpr std::size_t kMostSources = 64;
+constexpr double kInformationMemory = 1.0;  // over which a sensor's share in a track is weighed [s]
+constexpr double kNoiseMargin = 1.5;        // by which the noise found may be too small by chance
 
 bool isUsable(const AngularState& state) {
   return state.mean.allFinite() && state.covariance.allFinite() &&
@@ -40,8 +42,9 @@ LiveTrack::LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sightin
       estimator_(std::move(estimator)),
       last_covariance_(chart_.covarianceOf(sighting)),
       last_sighting_(scan.time) {
-  noteSource(scan, Eigen::Vector2d::Zero());
-  estimator_->update(measurementOf(scan, sighting));
+  const Measurement measurement = measurementOf(scan, sighting);
+  estimator_->update(measurement);
+  noteSource(scan, Eigen::Vector2d::Zero(), measurement.covariance);
 }
 
 LiveTrack::LiveTrack(const LiveTrack& other)
@@ -88,6 +91,7 @@ Expectation LiveTrack::expect(Time time, bool adapt_gate) {
     expectation.prediction = *estimator_->stateAt(time);
   }
   expectation.chart = chart_;
+  expectation.noise_scale = estimator_->noiseScale();
   expectation.innovation_scale = gateScale(adapt_gate);
   return expectation;
 }
@@ -97,7 +101,7 @@ void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectati
   Measurement measurement = measurementOf(scan, sighting);
   measurement.covariance += expectation.smear;
   Gate stated;
-  stated.covariance = expectation.prediction.anglesCovariance() + measurement.covariance;
+  stated.covariance = expectation.prediction.anglesCovariance() + expectation.noiseOf(sighting);
   const Eigen::Vector2d innovation = angleDifference(measurement.position, expectation.prediction.angles());
   const double seen = std::min(distanceSquared(stated, innovation) / 2.0, kLargestInnovation);
   innovation_scale_ += kInnovationMemory * (seen - innovation_scale_);
@@ -111,7 +115,7 @@ void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectati
   misses_ = 0;
   ++hits_;
   ++scans_;
-  noteSource(scan, innovation);
+  noteSource(scan, innovation, measurement.covariance);
   if (status_ == TrackStatus::coasting || static_cast<int>(hits_) >= lifecycle.confirm_hits)
     status_ = TrackStatus::confirmed;
 }
@@ -132,7 +136,7 @@ Vouching LiveTrack::vouchingFor(const std::string& sensor, Time time, const Sens
   for (const Source& source : sources_) {
     if (source.sensor == sensor) {
       vouching.has_sensor = guard.sees(seconds(time - source.last_sighting));
-    } else if (guard.mayVouch(source.sensor, seconds(time - source.last_sighting))) {
+    } else if (isSettled() && guard.mayVouch(source.sensor, seconds(time - source.last_sighting))) {
       for (int channel = 0; channel < 2; ++channel)
         innovations[channel][vouching.others] = source.innovation(channel);
       ++vouching.others;
@@ -143,14 +147,39 @@ Vouching LiveTrack::vouchingFor(const std::string& sensor, Time time, const Sens
   return vouching;
 }
 
-void LiveTrack::noteSource(const Scan& scan, const Eigen::Vector2d& innovation) {
-  for (Source& source : sources_) {
-    if (source.sensor != scan.sensor) continue;
-    source.last_sighting = scan.time;
-    source.innovation += kSourceMemory * (innovation - source.innovation);
-    return;
+/// `R`: covariance of the scan's sighting in the chart, by what is known of its sensor [rad^2].
+void LiveTrack::noteSource(const Scan& scan, const Eigen::Vector2d& innovation, const Eigen::Matrix2d& R) {
+  auto source = std::find_if(sources_.begin(), sources_.end(),
+                             [&](const Source& known) { return known.sensor == scan.sensor; });
+  if (source == sources_.end()) {
+    if (sources_.size() >= kMostSources) return;
+    source =
+        sources_.insert(source, Source{scan.sensor, scan.time, innovation, 0.0, Eigen::Vector2d::Zero()});
   }
-  if (sources_.size() < kMostSources) sources_.push_back({scan.sensor, scan.time, innovation});
+  source->innovation += kSourceMemory * (innovation - source->innovation);
+  source->information *= std::exp(-seconds(scan.time - source->last_sighting) / kInformationMemory);
+  source->information += 1.0 / R.trace();
+  source->last_sighting = scan.time;
+
+  // Sightings that are calmer than stated have a slowly varying error in the stated accuracy beside their
+  // noise.
+  const Eigen::Vector2d noise = scan.noise_scale * estimator_->noiseScale();
+  const Eigen::Vector2d share = (Eigen::Vector2d::Ones() - kNoiseMargin * noise).cwiseMax(0.0);
+  source->bias = share.cwiseProduct(R.diagonal()) / scan.noise_scale;
+}
+
+/// Variance of the slowly varying error of the position, in the chart [rad^2]: each sensor's by its share in
+/// the information of the last seconds.
+Eigen::Vector2d LiveTrack::biasVariance(Time time) const {
+  double sum = 0.0;
+  Eigen::Vector2d variance = Eigen::Vector2d::Zero();
+  for (const Source& source : sources_) {
+    const double information =
+        source.information * std::exp(-seconds(time - source.last_sighting) / kInformationMemory);
+    sum += information;
+    variance += information * information * source.bias;
+  }
+  return sum > 0.0 ? Eigen::Vector2d(variance / (sum * sum)) : variance;
 }
 
 double LiveTrack::limit(double silence) const {
@@ -166,8 +195,9 @@ bool LiveTrack::isDead(Time time, const LifecycleParams& lifecycle, bool adapt_g
   if (status_ == TrackStatus::tentative) {
     return scans_ - static_cast<int>(hits_) > lifecycle.confirm_scans - lifecycle.confirm_hits;
   }
-  const Eigen::Matrix2d S = gateScale(adapt_gate) * (state.anglesCovariance() + last_covariance_);
-  const Eigen::Vector2d spread = S.diagonal().cwiseQuotient(last_covariance_.diagonal()).cwiseSqrt();
+  const Eigen::Matrix2d R = noiseCovariance(last_covariance_, estimator_->noiseScale());
+  const Eigen::Matrix2d S = gateScale(adapt_gate) * (state.anglesCovariance() + R);
+  const Eigen::Vector2d spread = S.diagonal().cwiseQuotient(R.diagonal()).cwiseSqrt();
   if (spread.maxCoeff() > lifecycle.max_spread) return true;
   const bool coasts = silence > limit(lifecycle.coast_silence) || misses >= lifecycle.coast_misses;
   status_ = coasts ? TrackStatus::coasting : TrackStatus::confirmed;
@@ -179,14 +209,17 @@ Track LiveTrack::report(Time time, const GateParams& gate, bool adapt_gate,
   Track track;
   track.id = id_;
   track.status = status_;
-  track.state = chart_.toTracking(*estimator_->stateAt(time));
+  AngularState state = *estimator_->stateAt(time);
+  state.covariance.diagonal().head<2>() += biasVariance(time);
+  track.state = chart_.toTracking(state);
   track.last_sighting = last_sighting_;
   track.hits = hits_;
   track.misses = misses_;
 
   // The next sighting is expected one usual interval later.
   AngularState next = *estimator_->stateAt(time + durationOf(interval_));
-  const Gate in_chart = gateOf(next, last_covariance_, gate, gateScale(adapt_gate));
+  const Eigen::Matrix2d R = noiseCovariance(last_covariance_, estimator_->noiseScale());
+  const Gate in_chart = gateOf(next, R, gate, gateScale(adapt_gate));
   next.covariance.topLeftCorner<2, 2>() = in_chart.covariance;
   const AngularState in_tracking = chart_.toTracking(next);
   track.gate.centre = in_tracking.angles();

@@ -30,6 +30,7 @@ void keepTheLast(std::vector<SensorChange>& changes) {
 /// The scan with its noise taken for `noise_scale` times as large.
 Scan withNoise(const Scan& scan, double noise_scale) {
   Scan scaled = scan;
+  scaled.noise_scale *= noise_scale;
   for (Sighting& sighting : scaled.sightings) sighting.covariance *= noise_scale;
   return scaled;
 }
@@ -68,7 +69,7 @@ Sifted sift(const Scan& scan, std::size_t most) {
 
 LocalTracker::LocalTracker(const LocalTrackerParams& params)
     : params_(params),
-      state_{Time{}, 1, {}, SensorGuard(params.guard), {}},
+      state_{Time{}, 1, {}, NoiseCalibration(params.noise_calibration), SensorGuard(params.guard), {}},
       memory_(params.max_lag, params.guard.enabled ? params.guard.roll_back : 0.0) {
   if (params.max_tracks < 1 || params.max_sightings < 1 || !(params.max_lag >= 0.0)) {
     throw std::invalid_argument(
@@ -128,6 +129,7 @@ bool LocalTracker::clockWentBack(const Scan& scan) {
 
 void LocalTracker::startAnew(Time time) {
   state_.tracks.clear();
+  state_.calibration = NoiseCalibration(params_.noise_calibration);
   state_.guard = SensorGuard(params_.guard);
   state_.time = time;
   memory_.clear();
@@ -140,10 +142,11 @@ void LocalTracker::putInPlace(const Scan& scan, ScanReport& result) {
   const bool is_late = index + 1 < memory_.size();
   for (std::size_t k = is_late ? memory_.goBack(index, state_) : index; k < memory_.size(); ++k) {
     memory_.keepIfDue(k, state_);
+    const double calibration = state_.calibration.scale(memory_[k].scan.sensor);
     std::vector<Association> decisions = follow(k);
     if (k != index) continue;
     result.associations = std::move(decisions);
-    result.noise_scale = memory_[k].noise_scale;
+    result.noise_scale = calibration * memory_[k].noise_scale;
   }
   memory_.forget(state_.time);
   result.changes = newChanges();
@@ -151,7 +154,7 @@ void LocalTracker::putInPlace(const Scan& scan, ScanReport& result) {
 
 /// One scan in order of time: the whole of tracking.
 std::vector<Association> LocalTracker::follow(std::size_t k) {
-  const Scan& scan = memory_[k].scan;
+  const Scan scan = calibrated(memory_[k].scan);
   memory_.use(k, state_.guard.noiseScale(scan.sensor));
   state_.time = scan.time;
   giveUpTheDead(scan.time);
@@ -182,7 +185,7 @@ std::vector<Association> LocalTracker::followAgain(std::size_t k, const SensorCh
   std::vector<Association> decisions;
   for (std::size_t i = from; i <= k; ++i) {
     memory_.keepAgain(i, state_);
-    const Scan& scan = memory_[i].scan;
+    const Scan scan = calibrated(memory_[i].scan);
     state_.time = scan.time;
     giveUpTheDead(scan.time);
     Look look = lookAt(scan, memory_[i].noise_scale);
@@ -273,6 +276,21 @@ std::vector<Expectation> LocalTracker::predict(Time time) {
   return expectations;
 }
 
+/// The scan with its sensor's noise as it has been learnt.
+Scan LocalTracker::calibrated(const Scan& scan) const {
+  return withNoise(scan, state_.calibration.scale(scan.sensor));
+}
+
+/// What a settled track's sighting tells of its sensor's noise, unless the sensor's verdict has changed it.
+void LocalTracker::calibrate(const Scan& scan, const Sighting& sighting, const LiveTrack& track,
+                             const Expectation& expectation) {
+  if (!track.isSettled() || state_.guard.noiseScale(scan.sensor) != 1.0) return;
+  const Eigen::Vector2d innovation =
+      angleDifference(expectation.chart.coordinatesOf(sighting.direction), expectation.prediction.angles());
+  const Eigen::Matrix2d S = expectation.prediction.anglesCovariance() + expectation.noiseOf(sighting);
+  state_.calibration.take(scan.sensor, innovation.cwiseAbs2(), S.diagonal(), expectation.noise_scale);
+}
+
 /// Tracks that were paired take their sighting, the others have missed; where the sensor is left out it says
 /// nothing either way.
 void LocalTracker::update(const Scan& scan, const Look& look, bool is_excluded) {
@@ -280,6 +298,7 @@ void LocalTracker::update(const Scan& scan, const Look& look, bool is_excluded) 
     LiveTrack& track = state_.tracks[i];
     const int sighting = look.pairing.sighting_of[i];
     if (sighting >= 0) {
+      calibrate(scan, scan.sightings[static_cast<std::size_t>(sighting)], track, look.expectations[i]);
       track.take(scan, scan.sightings[static_cast<std::size_t>(sighting)], look.expectations[i],
                  params_.lifecycle);
     } else if (!is_excluded || look.vouching[i].others == 0) {

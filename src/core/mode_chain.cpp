@@ -1,5 +1,6 @@
 #include "sightline/core/mode_chain.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -10,33 +11,30 @@ constexpr double kFloor = 1e-12;  // a mode of less could not come back
 
 }  // namespace
 
-ModeChain::ModeChain(int modes, double dwell) : dwell_(dwell) {
-  if (modes < 1 || modes > kMaxModes || !(dwell > 0.0)) {
-    throw std::invalid_argument("ModeChain: 1 to " + std::to_string(kMaxModes) +
-                                " modes and a dwell above 0 s are required, got " + std::to_string(modes) +
-                                " and " + std::to_string(dwell));
+ModeChain::ModeChain(const ModeArray& attraction, double dwell) : dwell_(dwell), attraction_(attraction) {
+  if (attraction.size() < 1 || !(attraction.minCoeff() > 0.0) || !attraction.isFinite().all() || !(dwell > 0.0)) {
+    throw std::invalid_argument(
+        "ModeChain: modes of finite attraction above 0 and a dwell above 0 s are required, got " +
+        std::to_string(attraction.size()) + " modes and " + std::to_string(dwell) + " s");
   }
-  probabilities_.setConstant(modes, 1.0 / modes);
+  attraction_ /= attraction_.sum();
+  probabilities_ = attraction_;
 }
 
-ModeChain::Transition ModeChain::transition(double h) const {
-  const auto others = static_cast<double>(probabilities_.size() - 1);
-  if (others == 0.0) return {1.0, 0.0};
-  const double stay = std::exp(-std::abs(h) / dwell_);
-  return {stay, (1.0 - stay) / others};
+/// That a mode is drawn anew; it may be the same again.
+double ModeChain::drawnProbability(double h) const {
+  const auto modes = static_cast<double>(attraction_.size());
+  if (modes == 1.0) return 0.0;
+  return std::min(-std::expm1(-std::abs(h) / dwell_) * modes / (modes - 1.0), 1.0);
 }
 
 ModeArray ModeChain::predicted(double h) const {
-  const Transition t = transition(h);
-  return t.stay * probabilities_ + t.leave * (1.0 - probabilities_);
+  const double drawn = drawnProbability(h);
+  return (1.0 - drawn) * probabilities_ + drawn * attraction_;
 }
 
-ModeMatrix ModeChain::mixing(double h) const {
-  const Transition t = transition(h);
-  ModeMatrix weights = (t.leave * probabilities_).replicate(1, probabilities_.size());
-  weights.matrix().diagonal() = t.stay * probabilities_.matrix();
-  for (auto column : weights.colwise()) column /= column.sum();
-  return weights;
+ModeArray ModeChain::ownShares(double h) const {
+  return (1.0 - drawnProbability(h)) * probabilities_ / predicted(h);
 }
 
 void ModeChain::update(double h, const ModeArray& log_likelihoods) {

@@ -11,7 +11,8 @@ namespace {
 constexpr std::size_t kMostSensors = 64;  // that are watched
 constexpr std::size_t kMostStray = 32;    // stray sightings in a scan beyond which they tell nothing
 constexpr int kClutterMemory = 50;        // scans over which the number of stray sightings is smoothed
-constexpr double kMostFalse = 0.005;      // false sightings expected nearer than a stray one that counts
+constexpr double kMostFalse = 0.001;      // false sightings expected nearer than a stray one that counts
+constexpr double kVague = 16.0;           // variance of a prediction over that of the sightings it judges
 constexpr double kClockInterval = 1.0;    // between comparisons of the clocks [s]
 constexpr double kGhostReach = 6.0;       // of a biased sighting from where the bias puts it [sigma]
 constexpr double kGhostShare = 0.2;       // of the bias, by which it may be farther
@@ -24,6 +25,12 @@ Innovation innovationOf(const Expectation& expectation, const Sighting& sighting
   innovation.predicted = expectation.prediction.anglesCovariance().diagonal();
   innovation.stated = expectation.chart.covarianceOf(sighting).diagonal();
   return innovation;
+}
+
+/// Whether the track knows much less of the target than the sensor states: it is no yardstick. False tracks
+/// are like that.
+bool isVague(const Innovation& innovation) {
+  return (innovation.predicted > kVague * innovation.stated).any();
 }
 
 double distanceSquared(const Innovation& innovation) {
@@ -160,6 +167,7 @@ void SensorGuard::watch(const Scan& scan, const std::vector<Expectation>& expect
       const Sighting& sighting = scan.sightings[static_cast<std::size_t>(own)];
       Innovation innovation = innovationOf(expectations[i], sighting);
       innovation.shared = vouching[i].shared;
+      if (isVague(innovation)) continue;
       watch->health.take(scan.time, innovation);
       watch->clock.take(scan.time, innovation.nu.matrix(), expectations[i].chart.covarianceOf(sighting),
                         expectations[i].prediction);
@@ -168,7 +176,7 @@ void SensorGuard::watch(const Scan& scan, const std::vector<Expectation>& expect
                                                                  : vouching[i].has_sensor)) {
       const double in_reach = (watch->clutter * watch->scans + 0.5) / (watch->scans + 1);
       const double expected_false = in_reach * nearby.distance_squared / (params_.reach * params_.reach);
-      if (expected_false > kMostFalse) continue;
+      if (expected_false > kMostFalse || isVague(*nearby.nearest)) continue;
       watch->health.take(scan.time, *nearby.nearest);
     } else {
       continue;

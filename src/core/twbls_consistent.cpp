@@ -9,7 +9,9 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kSameTime = 1e-6;  // sightings closer than this [s] determine no rate
+constexpr double kSameTime = 1e-6;            // sightings closer than this [s] determine no rate
+constexpr std::size_t kMostSightings = 4096;  // of a window, whatever its span
+constexpr std::size_t kUsualSightings = 256;  // that one sensor of 33 Hz needs
 
 /// The sightings at one instant taken together.
 void join(Measurement& mean, const Measurement& other) {
@@ -39,19 +41,24 @@ Motion<4> throughTwo(const Measurement& first, const Measurement& second, double
 }  // namespace
 
 TwblsConsistentEstimator::TwblsConsistentEstimator(const TwblsConsistentParams& params)
-    : params_(params), evidence_(ModeArray::Zero(static_cast<Eigen::Index>(params.process_noises.size()))) {
+    : params_(params),
+      noise_learning_(params.noise),
+      evidence_(ModeArray::Zero(
+          static_cast<Eigen::Index>(std::min<std::size_t>(params.process_noises.size(), kMaxModes)))) {
   const bool sound_bank =
       !params.process_noises.empty() && params.process_noises.size() <= kMaxModes &&
       std::all_of(params.process_noises.begin(), params.process_noises.end(), [](const ProcessNoise& noise) {
         return noise.density > 0.0 || (noise.density == 0.0 && noise.ratio > 0.0);
       });
-  if (!sound_bank || params.max_sightings < 3 || !(params.memory > 0.0) ||
+  if (!sound_bank || params.sightings < 3 || !(params.min_span >= 0.0) || !(params.memory > 0.0) ||
       !(params.initial_rate_sigma > 0.0)) {
-    throw std::invalid_argument("TwblsConsistentParams: 1 to " + std::to_string(kMaxModes) +
-                                " process noises with density or ratio > 0, max_sightings >= 3, memory and "
-                                "initial_rate_sigma > 0 are required");
+    throw std::invalid_argument(
+        "TwblsConsistentParams: 1 to " + std::to_string(kMaxModes) +
+        " process noises with density or ratio > 0, sightings >= 3, min_span >= 0, memory "
+        "and initial_rate_sigma > 0 are required");
   }
-  window_.reserve(static_cast<std::size_t>(params.max_sightings) + 1);
+  for (Eigen::Vector2d& noise : noise_) noise.setOnes();
+  window_.reserve(kUsualSightings);
 }
 
 std::unique_ptr<Estimator> TwblsConsistentEstimator::clone() const {
@@ -60,23 +67,32 @@ std::unique_ptr<Estimator> TwblsConsistentEstimator::clone() const {
 
 void TwblsConsistentEstimator::update(const Measurement& measurement) {
   if (!window_.empty()) weigh(measurement);
-  noise_.add(measurement.covariance, measurement.sightings);
-  window_.push_back(measurement);
-  if (window_.size() > static_cast<std::size_t>(params_.max_sightings)) window_.erase(window_.begin());
-  fitWindow();
+  sighting_noise_.add(measurement.covariance, measurement.sightings);
+  add(measurement);
+  shortenWindow();
 }
 
 /// The evidence fades, and each process noise gains the log likelihood of what it had predicted.
 void TwblsConsistentEstimator::weigh(const Measurement& measurement) {
   const double h = seconds(measurement.time - window_.back().time);
   evidence_ *= std::exp(-h / params_.memory);
-  if (!isDetermined()) return;  // nothing was predicted
+  if (window_.size() < 2) return;  // nothing was predicted
+  noise_learning_.next(h);
   for (int mode = 0; mode < modes(); ++mode) {
-    Motion<4> predicted = motions_[mode];
-    moveOn(predicted, h);
-    addWhiteAcceleration(
-        predicted, params_.process_noises[static_cast<std::size_t>(mode)].densityFor(noise_.covariance()), h);
-    evidence_(mode) += condition(predicted, measurement.position, measurement.covariance);
+    const Motion<4> expected = predicted(mode, h);
+    const Eigen::Matrix2d S =
+        noiseCovariance(expected.covariance.topLeftCorner<2, 2>() + measurement.covariance, noise_[mode]);
+    const Eigen::LLT<Eigen::Matrix2d> llt(symmetric(S));
+    const Eigen::Vector2d innovation = measurement.position - expected.mean.head<2>();
+    const Eigen::Vector2d white = llt.matrixL().solve(innovation);
+    for (int i = 0; i < 2; ++i) {
+      evidence_(mode) +=
+          noise_learning_.logDensity(white(i) * white(i), 2.0 * std::log(llt.matrixLLT()(i, i)));
+    }
+    // A density given as such does not scale with the noise, so that the noise is taken as stated.
+    if (params_.process_noises[static_cast<std::size_t>(mode)].density > 0.0) continue;
+    for (int i = 0; i < 2; ++i)
+      noise_[mode](i) = noise_learning_.learnt(noise_[mode](i), innovation(i) * innovation(i) / S(i, i));
   }
 }
 
@@ -85,55 +101,95 @@ ModeArray TwblsConsistentEstimator::weights() const {
   return likelihood / likelihood.sum();
 }
 
+Eigen::Vector2d TwblsConsistentEstimator::noiseScale() const {
+  const ModeArray weight = weights();
+  Eigen::Vector2d scale = Eigen::Vector2d::Zero();
+  for (int mode = 0; mode < modes(); ++mode) scale += weight(mode) * noise_[mode];
+  return scale;
+}
+
+/// Lengthens the window by a sighting; those at its first instant are one.
+void TwblsConsistentEstimator::add(const Measurement& measurement) {
+  if (window_.size() == 1 && seconds(measurement.time - window_.front().time) < kSameTime) {
+    join(window_.front(), measurement);
+  } else {
+    window_.push_back(measurement);
+  }
+  for (int mode = 0; mode < modes(); ++mode) take(motions_[mode], mode, window_.size() - 1);
+}
+
+void TwblsConsistentEstimator::shortenWindow() {
+  const auto least = static_cast<std::size_t>(params_.sightings);
+  const std::size_t most = params_.exact_window ? least : 2 * least;
+  if (window_.size() <= most) return;
+  std::size_t keep = least;
+  if (!params_.exact_window && window_.size() <= kMostSightings) {
+    if (seconds(window_.back().time - window_.front().time) < 2.0 * params_.min_span) return;
+    while (seconds(window_.back().time - window_[window_.size() - keep].time) < params_.min_span) ++keep;
+  }
+  window_.erase(window_.begin(), window_.end() - static_cast<std::ptrdiff_t>(keep));
+  while (window_.size() > 1 && seconds(window_[1].time - window_[0].time) < kSameTime) {
+    join(window_[0], window_[1]);
+    window_.erase(window_.begin() + 1);
+  }
+  fitWindow();
+}
+
 void TwblsConsistentEstimator::fitWindow() {
   for (int mode = 0; mode < modes(); ++mode) {
-    motions_[mode] =
-        fitted(params_.process_noises[static_cast<std::size_t>(mode)].densityFor(noise_.covariance()));
+    for (std::size_t index = 0; index < window_.size(); ++index) take(motions_[mode], mode, index);
   }
 }
 
-/// The generalised least squares line (S-5) at the last sighting for one density.
-Motion<4> TwblsConsistentEstimator::fitted(const Eigen::Matrix2d& density) const {
-  Measurement first = window_.front();
-  std::size_t next = 1;
-  while (next < window_.size() && seconds(window_[next].time - first.time) < kSameTime)
-    join(first, window_[next++]);
-  Motion<4> motion;
-  if (next == window_.size()) {
-    const AngularState state = firstState(first, params_.initial_rate_sigma);
+/// The generalised least squares line (S-5) through the window up to a sighting, at that sighting, from the
+/// one up to the sighting before.
+void TwblsConsistentEstimator::take(Motion<4>& motion, int mode, std::size_t index) const {
+  const Measurement& sighting = window_[index];
+  if (index == 0) {
+    const AngularState state = firstState(sighting, params_.initial_rate_sigma);
     motion.mean = state.mean;
     motion.covariance = state.covariance;
-    return motion;
+    return;
   }
-  motion = throughTwo(first, window_[next], seconds(window_[next].time - first.time), density);
-  for (++next; next < window_.size(); ++next) {
-    const double h = seconds(window_[next].time - window_[next - 1].time);
-    moveOn(motion, h);
-    addWhiteAcceleration(motion, density, h);
-    condition(motion, window_[next].position, window_[next].covariance);
+  const double h = seconds(sighting.time - window_[index - 1].time);
+  if (index == 1) {
+    motion = throughTwo(window_[0], sighting, h, density(mode));
+    return;
   }
+  moveOn(motion, h);
+  addWhiteAcceleration(motion, density(mode), h);
+  condition(motion, sighting.position, sighting.covariance);
+}
+
+Eigen::Matrix2d TwblsConsistentEstimator::density(int mode) const {
+  return params_.process_noises[static_cast<std::size_t>(mode)].densityFor(sighting_noise_.covariance());
+}
+
+/// By the stated covariances.
+Motion<4> TwblsConsistentEstimator::predicted(int mode, double h) const {
+  Motion<4> motion = motions_[mode];
+  moveOn(motion, h);
+  addWhiteAcceleration(motion, density(mode), h);
   return motion;
 }
 
 std::optional<AngularState> TwblsConsistentEstimator::stateAt(Time time) const {
   if (window_.empty()) return std::nullopt;
   const double h = seconds(time - window_.back().time);
-  Motion<4> predicted[kMaxModes];
+  Motion<4> expected[kMaxModes];
   for (int mode = 0; mode < modes(); ++mode) {
-    predicted[mode] = motions_[mode];
-    moveOn(predicted[mode], h);
-    addWhiteAcceleration(
-        predicted[mode],
-        params_.process_noises[static_cast<std::size_t>(mode)].densityFor(noise_.covariance()), h);
+    expected[mode] = predicted(mode, h);
+    const Eigen::Vector4d growth = noise_[mode].cwiseSqrt().replicate<2, 1>();
+    expected[mode].covariance = growth.asDiagonal() * expected[mode].covariance * growth.asDiagonal();
   }
   const double span = seconds(window_.back().time - window_.front().time);
-  return withRatePrior(mixture(weights(), predicted).angularState(), params_.initial_rate_sigma,
+  return withRatePrior(mixture(weights(), expected).angularState(), params_.initial_rate_sigma,
                        window_.size(), span);  // (S-6)
 }
 
 void TwblsConsistentEstimator::rotate(const Eigen::Matrix3d& R_new_old) {
   if (window_.empty()) return;
-  noise_.transform(rotationJacobian(window_.back().position, R_new_old));
+  sighting_noise_.transform(rotationJacobian(window_.back().position, R_new_old));
   for (Measurement& sighting : window_) sighting = core::rotate(sighting, R_new_old);
   fitWindow();
 }

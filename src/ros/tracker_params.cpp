@@ -23,7 +23,7 @@ const Names kSensorWeights = {"variance", "ifov"};
 const Names kAnchors = {"fit", "raw"};
 const Names kTwblsCovariances = {"residual", "sandwich", "fit_error"};
 const Names kForms = {"paper", "consistent"};
-const Names kResponses = {"straight", "harmonic", "fixed_harmonic"};
+const Names kResponses = {"straight", "harmonic", "fixed_harmonic", "fading"};
 const Names kHealthForms = {"specified", "refined"};
 const Names kNogaCovariances = {"residual", "printed"};
 
@@ -69,7 +69,19 @@ core::ResponseModel loadResponseModel(const ParamReader& reader, const core::Res
   model.q = reader.number("q", fallback.q, atLeast(0.0));
   model.q_kappa = reader.number("q_kappa", fallback.q_kappa, atLeast(0.0), "1/s^5");
   model.kappa = reader.number("kappa", fallback.kappa, anyNumber(), "1/s^2");
+  model.fade = reader.number("fade", fallback.fade, above(0.0), "s");
+  model.attraction = reader.number("attraction", fallback.attraction, above(0.0));
   return model;
+}
+
+core::NoiseLearningParams loadNoiseLearningParams(const ParamReader& reader,
+                                                  core::NoiseLearningParams params) {
+  params.enabled = reader.flag("enabled", params.enabled);
+  params.memory = reader.number("memory", params.memory, above(0.0), "s");
+  params.trust = reader.number("trust", params.trust, above(0.0), "sightings");
+  params.min_scale = reader.number("min_scale", params.min_scale, Range{0.0, 1.0, true, false});
+  params.max_scale = reader.number("max_scale", params.max_scale, atLeast(1.0));
+  return params;
 }
 
 /// A list of maps, each read by `load` with the fallback of its place.
@@ -176,7 +188,9 @@ core::NogaParams loadNogaParams(const ParamReader& reader, core::NogaParams para
 core::TwblsConsistentParams loadTwblsConsistentParams(const ParamReader& reader,
                                                       core::TwblsConsistentParams params) {
   params.process_noises = loadBank(reader, "process_noises", params.process_noises, loadAcceleration);
-  params.max_sightings = reader.integer("max_sightings", params.max_sightings, 3, 100000);
+  params.sightings = reader.integer("sightings", params.sightings, 3, 2000);
+  params.min_span = reader.number("min_span", params.min_span, atLeast(0.0), "s");
+  params.exact_window = reader.flag("exact_window", params.exact_window);
   params.memory = reader.number("memory", params.memory, above(0.0), "s");
   params.initial_rate_sigma = initialRateSigma(reader, params.initial_rate_sigma);
   return params;
@@ -221,6 +235,8 @@ core::EstimatorParams loadEstimatorParams(const ParamReader& reader, core::Estim
   params.noga_consistent = loadNogaConsistentParams(noga.sub("consistent"), params.noga_consistent);
   params.kalman = loadKalmanParams(reader.sub("kalman"), params.kalman);
   params.imm = loadImmParams(reader.sub("imm"), params.imm);
+  params.noga_consistent.noise = params.twbls_consistent.noise =
+      loadNoiseLearningParams(reader.sub("noise_calibration"), params.twbls_consistent.noise);
   return params;
 }
 
@@ -230,6 +246,9 @@ core::LocalTrackerParams loadLocalTrackerParams(const ParamReader& reader, core:
   params.lifecycle = loadLifecycleParams(reader.sub("lifecycle"), params.lifecycle);
   params.guard = loadGuardParams(reader.sub("guard"), params.guard);
   params.adapt_gate = reader.flag("adapt_gate", params.adapt_gate);
+  params.noise_calibration.enabled = params.estimator.twbls_consistent.noise.enabled;
+  params.noise_calibration.min_scale = params.estimator.twbls_consistent.noise.min_scale;
+  params.noise_calibration.max_scale = params.estimator.twbls_consistent.noise.max_scale;
   params.max_lag = reader.number("max_lag", params.max_lag, atLeast(0.0), "s");
   params.max_tracks = reader.integer("max_tracks", params.max_tracks, 1, kMany);
   params.max_sightings = reader.integer("max_sightings", params.max_sightings, 1, kMany);

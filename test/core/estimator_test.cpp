@@ -15,6 +15,7 @@
 #include "sightline/core/imm.h"
 #include "sightline/core/kalman.h"
 #include "sightline/core/noga.h"
+#include "sightline/core/noga_consistent.h"
 #include "sightline/core/twbls.h"
 #include "sightline/core/twbls_consistent.h"
 
@@ -92,6 +93,7 @@ std::vector<Candidate> candidates() {
           {"TwblsRaw", making<TwblsEstimator>(raw), raw_line},
           {"TwblsFew", making<TwblsEstimator>(few), line},
           {"TwblsConsistent", making<TwblsConsistentEstimator>(TwblsConsistentParams{}), {}},
+          {"NogaConsistent", making<NogaConsistentEstimator>(NogaConsistentParams{}), {}},
           {"Noga", making<NogaEstimator>(NogaParams{}), auto_regression},
           {"NogaPrinted", making<NogaEstimator>(printed), printed_auto_regression},
           {"NogaWeighted", making<NogaEstimator>(weighted), wild},

@@ -101,6 +101,34 @@ TEST(HarmonicMotion, KappaIsKeptWithinItsBounds) {
   EXPECT_EQ(harmonicStep({0.0, 0.0, 0.0, 99.0}, 0.1, 0.0, 0.0).mean(3), 40.0);
 }
 
+TEST(FadingMotion, AccelerationDiesAwayAndLeavesItsRate) {
+  const Transition step = fadingStep({0.0, 0.0, 1.0, 0.0}, 20.0, 1.0, 0.5, 1.0);
+  EXPECT_NEAR(step.mean(2), 0.0, 1e-12);
+  EXPECT_NEAR(step.mean(1), 0.5, 1e-12);                // a tau
+  EXPECT_NEAR(step.mean(0), 0.5 * 20.0 - 0.25, 1e-12);  // a tau (h - tau)
+}
+
+TEST(FadingMotion, TwoStepsAreOneInMeanAndCovariance) {
+  // F(h1 + h2) = F(h2) F(h1) and Q(h1 + h2) = F(h2) Q(h1) F(h2)^T + Q(h2), by series and by closed form.
+  for (const auto& [h1, h2] : {std::pair{0.01, 0.03}, {0.3, 0.9}, {1.5, 4.0}, {0.001, 3.0}}) {
+    const Eigen::Vector4d zero = Eigen::Vector4d::Zero();
+    const Transition first = fadingStep(zero, h1, 2.0, 1.0, 0.0),
+                     second = fadingStep(zero, h2, 2.0, 1.0, 0.0),
+                     both = fadingStep(zero, h1 + h2, 2.0, 1.0, 0.0);
+    EXPECT_TRUE((second.F * first.F).isApprox(both.F, 1e-12)) << h1 << " " << h2;
+    const Eigen::Matrix4d Q = second.F * first.Q * second.F.transpose() + second.Q;
+    EXPECT_TRUE(Q.isApprox(both.Q, 1e-9)) << h1 << " " << h2;
+  }
+}
+
+TEST(FadingMotion, ThatHardlyFadesIsWhiteJerk) {
+  const double h = 0.5;
+  const Transition step = fadingStep(Eigen::Vector4d(1.0, 2.0, 3.0, 0.0), h, 2.0, 1e6, 0.0);
+  const Transition jerk = fixedHarmonicStep(Eigen::Vector4d(1.0, 2.0, 3.0, 0.0), h, 2.0, 0.0, 0.0);
+  EXPECT_TRUE(step.mean.isApprox(jerk.mean, 1e-5));
+  EXPECT_TRUE(step.Q.isApprox(jerk.Q, 1e-5));
+}
+
 TEST(AutoRegression, MatchesTheReferenceVectors) {
   SIGHTLINE_REQUIRE_SHARED();
   for (const YAML::Node& expected : test::golden("ar2_coeffs")) {

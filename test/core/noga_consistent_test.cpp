@@ -13,15 +13,24 @@
 namespace sightline::core {
 namespace {
 
+/// The bank of section 4.3, at an amplitude of 1 rad and with the stated noise.
+NogaConsistentParams bankOfSection43() {
+  NogaConsistentParams params;
+  params.models = {{ResponseModel::Kind::straight, 1e-4},           {ResponseModel::Kind::straight, 0.05},
+                   {ResponseModel::Kind::straight, 0.7},            {ResponseModel::Kind::harmonic, 1e-3, 1e-2},
+                   {ResponseModel::Kind::harmonic, 0.3, 1.0},       {ResponseModel::Kind::fixed_harmonic, 1.0, 0.0, 8.0}};
+  params.amplitude = 1.0;
+  params.initial_rate_sigma = 2.0;
+  params.noise.enabled = false;
+  return params;
+}
+
 class GoldenBank : public testing::TestWithParam<const char*> {};
 
 TEST_P(GoldenBank, MatchesTheReferenceVectors) {
   SIGHTLINE_REQUIRE_SHARED();
   const YAML::Node expected = test::golden(GetParam());
-  NogaConsistentParams params;
-  params.models.resize(6);
-  params.amplitude = 1.0;
-  params.initial_rate_sigma = 2.0;
+  NogaConsistentParams params = bankOfSection43();
   params.outlier_share = expected["eps"].as<double>();
   params.outlier_width = expected["Vout"].as<double>();
   params.dwell = expected["tau"].as<double>();
@@ -63,10 +72,8 @@ Measurement sighting(double time_s, const Eigen::Vector2d& position, const Eigen
 TEST(NogaConsistent, OneStepIsTheUncertaintyReductionWithTheProcessNoiseAmongTheInputs) {
   // One straight model, no soft gate: (20)-(23) on a = (x, v, w_x, w_v) from the state that the estimator
   // starts with.
-  NogaConsistentParams params;
-  params.models = {{ResponseModel::Kind::straight, 0.3, 0.0, 0.0}};
-  params.amplitude = 1.0;
-  params.initial_rate_sigma = 2.0;
+  NogaConsistentParams params = bankOfSection43();
+  params.models = {{ResponseModel::Kind::straight, 0.3}};
   params.outlier_share = 0.0;
   NogaConsistentEstimator estimator(params);
   const Eigen::Matrix2d R = Eigen::Matrix2d::Identity() * 0.01;
@@ -121,9 +128,8 @@ TEST(NogaConsistent, WithoutAGivenAmplitudeItIsFreeOfScale) {
 }
 
 TEST(NogaConsistent, CoupledSightingsOfVanishingCorrelationGiveTheUncoupledResultOfOneModel) {
-  NogaConsistentParams params;
-  params.models = {{ResponseModel::Kind::harmonic, 0.3, 1.0, 0.0}};
-  params.amplitude = 1.0;
+  NogaConsistentParams params = bankOfSection43();
+  params.models = {{ResponseModel::Kind::harmonic, 0.3, 1.0}};
   NogaConsistentEstimator apart(params), together(params);
   params.outlier_share = 0.0;
   std::mt19937_64 random(5);

@@ -29,8 +29,15 @@ struct PlatformSensor {
   double latency = 0.0;    // of the tracker's messages [s]
 };
 
+/// Trackers of their own sightings would learn the sensors' noise a little differently.
+inline core::LocalTrackerParams trackerThatLearnsNoSensorsNoise() {
+  core::LocalTrackerParams params;
+  params.noise_calibration.enabled = false;
+  return params;
+}
+
 struct Platform {
-  core::LocalTrackerParams tracker;
+  core::LocalTrackerParams tracker = trackerThatLearnsNoSensorsNoise();
   core::TrackletParams tracklets;
   core::TrackFusionParams fusion;
   std::vector<PlatformSensor> sensors;

@@ -17,6 +17,7 @@ TwblsConsistentParams absolute(const std::vector<double>& densities) {
   params.process_noises.clear();
   for (const double density : densities) params.process_noises.push_back({density, 0.0});
   params.initial_rate_sigma = 1e6;  // as the reference: no prior
+  params.noise.enabled = false;
   return params;
 }
 
@@ -24,7 +25,8 @@ TEST(TwblsConsistent, MatchesTheReferenceVectors) {
   SIGHTLINE_REQUIRE_SHARED();
   const YAML::Node expected = test::golden("twbls_consistent");
   TwblsConsistentParams params = absolute(expected["qs"].as<std::vector<double>>());
-  params.max_sightings = expected["N"].as<int>();
+  params.sightings = expected["N"].as<int>();
+  params.exact_window = true;
   params.memory = expected["tf"].as<double>();
   TwblsConsistentEstimator estimator(params);
   const Eigen::ArrayXd t = test::array(expected["t"]), sigma = test::array(expected["sigma"]);
@@ -96,7 +98,8 @@ TEST(TwblsConsistent, EqualsGeneralisedLeastSquaresWithTheKernelOnAMovingWindow)
   std::uniform_real_distribution<double> uniform;
   const double q = 0.4;
   TwblsConsistentParams params = absolute({q});
-  params.max_sightings = 15;
+  params.sightings = 15;
+  params.exact_window = true;
   TwblsConsistentEstimator estimator(params);
   std::vector<Measurement> all;
   double time = 0.0;

@@ -61,7 +61,9 @@ TEST(TrackFusionParams, ShippedFileSaysTheDefaultsAndNothingElse) {
   for (const std::string& key : reader.differences()) {
     const std::string name = key.substr(reader.name().size() + 1);
     const std::string section = name.substr(0, name.find('/'));
-    EXPECT_TRUE(section == "twbls" || section == "noga" || section == "kalman" || section == "imm") << key;
+    EXPECT_TRUE(section == "twbls" || section == "noga" || section == "kalman" || section == "imm" ||
+                section == "noise_calibration")
+        << key;
   }
   EXPECT_EQ(component.name(), "node");
 }

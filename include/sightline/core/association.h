@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sightline/core/chart.h"
+#include "sightline/core/estimator.h"
 #include "sightline/core/gate.h"
 #include "sightline/core/sighting.h"
 #include "sightline/core/track.h"
@@ -20,7 +21,13 @@ struct Expectation {
   /// Added to the covariance of every sighting [rad^2]: how far the target moves within the error of the
   /// scan's stamp.
   Eigen::Matrix2d smear = Eigen::Matrix2d::Zero();
-  double innovation_scale = 1.0;  ///< by which S is enlarged, >= 1
+  Eigen::Vector2d noise_scale = Eigen::Vector2d::Ones();  ///< of the sightings, as the track has found it
+  double innovation_scale = 1.0;                          ///< by which S is enlarged, >= 1
+
+  /// Covariance of the noise of a sighting in the chart, by what the track has found [rad^2].
+  Eigen::Matrix2d noiseOf(const Sighting& sighting) const {
+    return noiseCovariance(chart.covarianceOf(sighting), noise_scale) + smear;
+  }
 };
 
 /// Who took what. Index -1 = nobody, nothing.

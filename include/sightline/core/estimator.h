@@ -42,12 +42,19 @@ class Estimator {
   /// The covariance is symmetric positive definite.
   virtual std::optional<AngularState> stateAt(Time time) const = 0;
 
+  /// Variance of the sightings' white noise over the stated one in each coordinate, as far as the estimator
+  /// has learnt it [1]: see `noiseCovariance`.
+  virtual Eigen::Vector2d noiseScale() const { return Eigen::Vector2d::Ones(); }
+
   /// Goes over to a chart whose frame is turned by R_new_old.
   virtual void rotate(const Eigen::Matrix3d& R_new_old) = 0;
 
  protected:
   Estimator(const Estimator&) = default;
 };
+
+/// Covariance of the white noise of a sighting whose stated one is `R`, by an estimator's `noiseScale`.
+Eigen::Matrix2d noiseCovariance(const Eigen::Matrix2d& R, const Eigen::Vector2d& noise_scale);
 
 /// What is known of a target seen once: the sighting's position, no motion but the prior's.
 /// `rate_sigma`: standard deviation of each rate before anything is known [rad/s].

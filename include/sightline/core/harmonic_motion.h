@@ -36,6 +36,11 @@ Transition fixedHarmonicStep(const Eigen::Vector4d& state, double h, double q, d
 Transition straightStep(const Eigen::Vector4d& state, double h, double q, double acceleration_sigma,
                         double kappa_sigma);
 
+/// Motion whose acceleration fades with the time constant `tau` [s] > 0 and is renewed by white jerk of density
+/// `q` [rad^2/s^5] (Singer's model): a manoeuvre that will not last. Of kappa it knows nothing: N(0,
+/// kappa_sigma^2).
+Transition fadingStep(const Eigen::Vector4d& state, double h, double q, double tau, double kappa_sigma);
+
 /// Coefficients (a_1, a_2) of y(k) = a_1 y(k-1) + a_2 y(k-2) for harmonic motion about zero (13C), with the
 /// steps h_1 = t_k - t_{k-1} and h_2 = t_{k-1} - t_{k-2} [s], h_2 != 0.
 Eigen::Vector2d autoRegression(double kappa, double h_1, double h_2);

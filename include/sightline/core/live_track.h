@@ -32,6 +32,9 @@ struct LifecycleParams {
   double max_spread = 30.0;
 };
 
+constexpr std::uint32_t kSettledHits = 30;  // sightings of a track whose innovations tell of its sensors: a
+                                            // false one does not live so long
+
 /// One target under way: its estimator, the chart it works in, and the record on which it is judged. Copies
 /// are deep.
 class LiveTrack {
@@ -47,6 +50,7 @@ class LiveTrack {
   ~LiveTrack() = default;
 
   std::uint32_t id() const { return id_; }
+  bool isSettled() const { return status_ == TrackStatus::confirmed && hits_ >= kSettledHits; }
 
   /// What the track expects to see at `time`. Moves to a new chart when the target leaves the present one.
   Expectation expect(Time time, bool adapt_gate);
@@ -72,10 +76,14 @@ class LiveTrack {
     std::string sensor;
     Time last_sighting;
     Eigen::Vector2d innovation = Eigen::Vector2d::Zero();  // mean of the last ones, in the chart [rad]
+    double information = 0.0;                              // of its sightings, fading [1/rad^2]
+    Eigen::Vector2d bias =
+        Eigen::Vector2d::Zero();  // variance of its slowly varying error, in the chart [rad^2]
   };
 
   Measurement measurementOf(const Scan& scan, const Sighting& sighting) const;
-  void noteSource(const Scan& scan, const Eigen::Vector2d& innovation);
+  void noteSource(const Scan& scan, const Eigen::Vector2d& innovation, const Eigen::Matrix2d& R);
+  Eigen::Vector2d biasVariance(Time time) const;
   double limit(double silence) const;
   double gateScale(bool adapt_gate) const;
 

@@ -9,6 +9,7 @@
 #include "sightline/core/estimators.h"
 #include "sightline/core/gate.h"
 #include "sightline/core/live_track.h"
+#include "sightline/core/noise_calibration.h"
 #include "sightline/core/scan_memory.h"
 #include "sightline/core/sensor_guard.h"
 #include "sightline/core/sighting.h"
@@ -21,6 +22,7 @@ struct LocalTrackerParams {
   GateParams gate;
   bool adapt_gate = true;  ///< enlarge S by the innovations seen, where they are larger than S explains
   LifecycleParams lifecycle;
+  NoiseCalibrationParams noise_calibration;
   GuardParams guard;
   double max_lag = 0.5;  ///< scans up to this much older than the newest are put in their place [s], >= 0
   int max_tracks = 500;  ///< no track is started beyond, >= 1
@@ -46,6 +48,10 @@ struct ScanReport {
 /// Where several sensors see a target, each is watched against the others (SensorGuard): one whose noise
 /// grows is used with that noise, one that is biased is not used until it has recovered, and the tracker goes
 /// back to when the change began. With one sensor nothing can be told, and nothing is done.
+///
+/// What the sensors' noise really is, is learnt (NoiseCalibration, and NoiseLearning in each track). Where it
+/// is less than stated, the rest of the stated variance is taken for an error that varies too slowly to be
+/// averaged out, and is in the covariance of the reported positions.
 class LocalTracker {
  public:
   explicit LocalTracker(const LocalTrackerParams& params);
@@ -58,12 +64,16 @@ class LocalTracker {
   /// What is thought of each sensor that has been compared with others, by name.
   std::vector<WatchedSensor> sensors() const { return state_.guard.sensors(); }
 
+  /// What has been learnt of each sensor's noise, by name.
+  const std::vector<CalibratedSensor>& calibratedSensors() const { return state_.calibration.sensors(); }
+
  private:
   /// Everything that a scan changes.
   struct State {
     Time time{};
     std::uint32_t next_id = 1;
     std::vector<LiveTrack> tracks;  // ascending id
+    NoiseCalibration calibration;
     SensorGuard guard;
     std::vector<SensorChange> changes;  // the last ones
   };
@@ -88,6 +98,9 @@ class LocalTracker {
   Look lookAt(const Scan& scan, double noise_scale);
   std::vector<Association> settle(const Scan& scan, double noise_scale, Look& look);
   void leaveOut(const Scan& scan, Look& look) const;
+  Scan calibrated(const Scan& scan) const;
+  void calibrate(const Scan& scan, const Sighting& sighting, const LiveTrack& track,
+                 const Expectation& expectation);
   std::vector<Expectation> predict(Time time);
   void update(const Scan& scan, const Look& look, bool is_excluded);
   void start(const Scan& scan, Pairing& pairing);

@@ -26,6 +26,7 @@ struct Scan {
   double ifov = std::numeric_limits<double>::quiet_NaN();  ///< angle of one detector element [rad]
   double detection_probability = std::numeric_limits<double>::quiet_NaN();  ///< NaN = the tracker's parameter
   double clutter_density = std::numeric_limits<double>::quiet_NaN();        ///< [1/sr], NaN = the tracker's
+  double noise_scale = 1.0;  ///< factor on the stated variances that `sightings` have in them already
   std::vector<Sighting> sightings;
 };
 

@@ -7,6 +7,7 @@
 #include "sightline/core/estimator.h"
 #include "sightline/core/kinematics.h"
 #include "sightline/core/mode_chain.h"
+#include "sightline/core/noise_learning.h"
 #include "sightline/core/sighting_noise.h"
 
 namespace sightline::core {
@@ -14,10 +15,18 @@ namespace sightline::core {
 struct TwblsConsistentParams {
   /// White accelerations that are tried, 1 to kMaxModes; density or ratio > 0 each. The default is free of
   /// scale: from straight flight to a drone before a consumer camera.
-  std::vector<ProcessNoise> process_noises = {{0.0, 0.01}, {0.0, 1.0}, {0.0, 30.0}, {0.0, 1e3}, {0.0, 3e4}};
-  int max_sightings = 60;           ///< of the window, >= 3; no limit in time
-  double memory = 1.5;              ///< for the evidence of each process noise [s], > 0
+  std::vector<ProcessNoise> process_noises = {{0.0, 0.01},  {0.0, 1.0},  {0.0, 4.0},
+                                              {0.0, 12.0},  {0.0, 36.0}, {0.0, 110.0},
+                                              {0.0, 330.0}, {0.0, 3e3},  {0.0, 1e5}};
+  /// The window reaches back over at least so many sightings, >= 3, and at least `min_span` [s] >= 0. It
+  /// grows to twice that before the older half is let go, so that a sighting costs the same however long it
+  /// is; `exact_window` keeps it at max_sightings by fitting the window anew at each sighting.
+  int sightings = 60;
+  double min_span = 3.0;
+  bool exact_window = false;
+  double memory = 2.0;              ///< for the evidence of each process noise [s], > 0
   double initial_rate_sigma = 0.3;  ///< of each rate before the second sighting [rad/s], > 0
+  NoiseLearningParams noise;        ///< what the sightings' noise really is
 };
 
 /// TWBLS, form `consistent` (S-4)-(S-6): generalised least squares of a straight line over the last
@@ -26,8 +35,10 @@ struct TwblsConsistentParams {
 /// the mixture.
 ///
 /// The inverse is never formed: the same estimate is that of a Kalman filter which starts at the window's
-/// first sightings knowing nothing (a test holds the two equal), and that is linear in the window and works
-/// on coupled channels as well.
+/// first sightings knowing nothing (a test holds the two equal). It goes on from sighting to sighting while
+/// the window grows, and works on coupled channels as well.
+///
+/// Each density learns the scale of the sightings' noise for itself (S-11), channel by channel.
 class TwblsConsistentEstimator final : public Estimator {
  public:
   /// Throws std::invalid_argument for a parameter out of range.
@@ -36,6 +47,7 @@ class TwblsConsistentEstimator final : public Estimator {
   std::unique_ptr<Estimator> clone() const override;
   void update(const Measurement& measurement) override;
   std::optional<AngularState> stateAt(Time time) const override;
+  Eigen::Vector2d noiseScale() const override;
   void rotate(const Eigen::Matrix3d& R_new_old) override;
 
   /// Weight of each process noise by the sightings so far; they sum to one.
@@ -44,16 +56,21 @@ class TwblsConsistentEstimator final : public Estimator {
  private:
   TwblsConsistentEstimator(const TwblsConsistentEstimator&) = default;
   int modes() const { return static_cast<int>(params_.process_noises.size()); }
-  bool isDetermined() const { return window_.back().time != window_.front().time; }
   void weigh(const Measurement& measurement);
+  void add(const Measurement& measurement);
+  void shortenWindow();
   void fitWindow();
-  Motion<4> fitted(const Eigen::Matrix2d& density) const;
+  Eigen::Matrix2d density(int mode) const;
+  Motion<4> predicted(int mode, double h) const;
+  void take(Motion<4>& motion, int mode, std::size_t index) const;
 
   TwblsConsistentParams params_;
-  std::vector<Measurement> window_;  // oldest first
-  SightingNoise noise_;
+  std::vector<Measurement> window_;  // oldest first; sightings at the first instant are joined
+  SightingNoise sighting_noise_;
+  NoiseLearning noise_learning_;
   ModeArray evidence_;            // log likelihood of the sightings, fading
-  Motion<4> motions_[kMaxModes];  // at the last sighting, by each process noise
+  Motion<4> motions_[kMaxModes];  // at the last sighting, by each process noise and the stated covariances
+  Eigen::Vector2d noise_[kMaxModes];  // variance of the sightings over the stated one, by each process noise
 };
 
 }  // namespace sightline::core

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace sightline::core {
+
+/// How the sensors' own noise is told apart in one tracker.
+struct NoiseCalibrationParams {
+  bool enabled = true;
+  double trust = 30.0;      ///< sightings that a sensor's stated covariance counts for at first, > 0
+  double settled = 300.0;   ///< sightings that count at last, >= trust
+  double min_scale = 1e-3;  ///< least variance over the stated one, in (0, 1]
+  double max_scale = 1e2;   ///< largest, >= 1
+};
+
+/// What is known of one sensor's noise.
+struct CalibratedSensor {
+  std::string sensor;
+  double scale = 1.0;      ///< variance of its sightings' white noise over the stated one
+  double sightings = 0.0;  ///< on which that rests
+};
+
+/// One noise scale for each sensor, learnt slowly from the innovations of all settled tracks. Estimators
+/// learn the scale of a track's sightings quickly and for all its sensors together; what they find passes
+/// over into the sensors' scales, so that sensors get their right weight against each other, and a new track
+/// starts with what others have learnt. Plain state, copied with the tracker's.
+class NoiseCalibration {
+ public:
+  /// Throws std::invalid_argument for parameters out of range.
+  explicit NoiseCalibration(const NoiseCalibrationParams& params);
+
+  /// Factor on the sensor's stated variances.
+  double scale(const std::string& sensor) const;
+
+  /// A sighting has come to a settled track. `innovation_squared` of both coordinates and the variance
+  /// `expected` of each [rad^2]; `track_scale`: the noise scale that the track has found beyond the sensor's.
+  void take(const std::string& sensor, const Eigen::Vector2d& innovation_squared,
+            const Eigen::Vector2d& expected, const Eigen::Vector2d& track_scale);
+
+  /// By name.
+  const std::vector<CalibratedSensor>& sensors() const { return sensors_; }
+
+ private:
+  NoiseCalibrationParams params_;
+  std::vector<CalibratedSensor> sensors_;
+};
+
+}  // namespace sightline::core
