@@ -21,6 +21,13 @@ AngularState ChartedEstimator::stateAt(Time time) const {
   return chart_.toTracking(*estimator_->stateAt(time));  // determined since the first tracklet
 }
 
+Expectation ChartedEstimator::expect(Time time) const {
+  Expectation expectation;
+  expectation.chart = chart_;
+  expectation.prediction = *estimator_->stateAt(time);
+  return expectation;
+}
+
 void ChartedEstimator::follow(Time time) {
   const Eigen::Vector2d expected = estimator_->stateAt(time)->angles();
   if (chart_.holds(expected)) return;

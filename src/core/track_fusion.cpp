@@ -45,6 +45,7 @@ void check(const TrackFusionParams& params) {
   check(tracklets.max_lag > 0.0 && tracklets.memory > 0.0 && tracklets.max_missing >= 0.0 &&
             tracklets.max_missing <= 1.0,
         "tracklets: max_lag and memory > 0 s, max_missing in [0, 1] are required");
+  SensorGuard(tracklets.guard);
   makeEstimator(tracklets.estimator);  // refuses what cannot work before the first tracklet comes
 }
 
@@ -125,11 +126,14 @@ void TrackFusion::follow(const std::string& reporting) {
       const std::string why = whyUnusable(key.tracker, *local);
       entry.track.setUnusable(i, why);
       if (!why.empty() || key.tracker != reporting) continue;
-      const double surprise = entry.track.renew(i, *local);
+      LocalTrack honest = *local;
+      honest.track.state.covariance *= entry.tracklets.noiseScale(key);
+      const double surprise = entry.track.renew(i, honest);
       const bool is_another =
           local->track.hits < hits_before && surprise > params_.leave_factor * join_threshold_;
       if (is_another) leave(entry, i);
     }
+    leaveOutBiased(entry);
   }
 }
 
@@ -241,6 +245,7 @@ void TrackFusion::leave(Entry& entry, std::size_t supporter) const {
 
 void TrackFusion::fuse(Entry& entry, const std::string& reporting) {
   feedTracklets(entry);
+  leaveOutBiased(entry);
   std::optional<Outcome> outcome = fromTracklets(entry);
   if (!outcome) outcome = fromTracks(entry);
   entry.report.rule = outcome->rule;
@@ -253,19 +258,38 @@ void TrackFusion::fuse(Entry& entry, const std::string& reporting) {
   }
 }
 
-/// The supporters' tracklets go into the global track; those of one that contradicts the others are taken
-/// back from when that began.
+bool TrackFusion::usesTracklets() const {
+  return params_.rule == FusionRule::best || params_.rule == FusionRule::tracklets;
+}
+
+/// Supporters whose sensors are known to be off do not count, and are not held to contradict.
+void TrackFusion::leaveOutBiased(Entry& entry) const {
+  const auto& supporters = entry.track.supporters();
+  for (std::size_t i = 0; i < supporters.size(); ++i) {
+    if (!supporters[i].unusable.empty()) continue;
+    const std::string why = entry.tracklets.whyExcluded(supporters[i].key);
+    if (!why.empty()) entry.track.setUnusable(i, why);
+  }
+}
+
+/// The supporters' tracklets go into the global track, where those of a sensor that does harm are found out;
+/// where that cannot be told, those of a supporter that contradicts the others are taken back from when that
+/// began.
 void TrackFusion::feedTracklets(Entry& entry) {
   const std::size_t late_before = entry.tracklets.late();
   for (const Supporter& supporter : entry.track.supporters()) {
     const bool contradicts = !supporter.unusable.empty() && supporter.contradicts_since;
-    if (contradicts) {
+    if (contradicts && !entry.tracklets.canTellWhoIsWrong()) {
       entry.tracklets.takeBack(supporter.key, *supporter.contradicts_since);
     } else {
       entry.tracklets.feed(supporter, tracklets_);
     }
   }
   late_tracklets_ += entry.tracklets.late() - late_before;
+  if (!usesTracklets()) return;
+  entry.tracklets.stateAt(time_);
+  entry.report.sensors = entry.tracklets.sensors();
+  entry.report.sensor_changes = entry.tracklets.newChanges();
 }
 
 /// The state by the supporters' tracklets, if that is the rule and they are good enough. A single local track
@@ -273,7 +297,7 @@ void TrackFusion::feedTracklets(Entry& entry) {
 std::optional<TrackFusion::Outcome> TrackFusion::fromTracklets(Entry& entry) {
   std::string& why_not = entry.report.why_not_tracklets;
   why_not.clear();
-  if (params_.rule != FusionRule::best && params_.rule != FusionRule::tracklets) return std::nullopt;
+  if (!usesTracklets()) return std::nullopt;
   Outcome outcome{FusionRule::tracklets, chooseContributors(entry.track, params_.coasting_age, true), {}, {}};
   const std::vector<std::size_t>& used = outcome.choice.used;
   std::map<LocalKey, double> shares = entry.tracklets.shares();
@@ -391,6 +415,7 @@ FusionReport TrackFusion::describe() const {
 FusionReport TrackFusion::refused(const LocalReport& report, const std::string& why) const {
   FusionReport result = latest_;
   result.refusal = why;
+  for (FusedTrack& track : result.tracks) track.sensor_changes.clear();
   for (const Track& track : report.tracks) {
     if (result.left_out.size() >= static_cast<std::size_t>(params_.reports.max_tracks)) break;
     result.left_out.push_back({report.tracker, track.id, 0.0, std::numeric_limits<double>::quiet_NaN(),

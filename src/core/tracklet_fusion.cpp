@@ -1,17 +1,19 @@
 #include "sightline/core/tracklet_fusion.h"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace sightline::core {
 namespace {
 
 constexpr double kOwnerSilence = 0.5;  // after which another supporter speaks for a sensor [s]
+constexpr double kMostBias = 6.0;      // of a sensor that still sees the same target [sigma]
 
 }  // namespace
 
 TrackletFusion::TrackletFusion(const TrackletFusionParams& params)
-    : track_(params.estimator, params.max_lag) {}
+    : track_(params.estimator, params.max_lag, params.guard) {}
 
 void TrackletFusion::feed(const Supporter& supporter, const TrackletMemory& memory) {
   const auto* remembered = memory.find(supporter.key);
@@ -53,6 +55,39 @@ std::map<LocalKey, double> TrackletFusion::shares() const {
   for (const auto& [key, information] : shares) sum += information;
   for (auto& [key, information] : shares) information /= sum;
   return shares;
+}
+
+/// Those for which this supporter speaks.
+std::vector<WatchedSensor> TrackletFusion::sensorsOf(const LocalKey& supporter) const {
+  std::vector<WatchedSensor> sensors;
+  for (WatchedSensor& watched : track_.sensors()) {
+    const auto owner = owners_.find(watched.sensor);
+    if (owner != owners_.end() && owner->second.supporter == supporter) sensors.push_back(std::move(watched));
+  }
+  return sensors;
+}
+
+std::string TrackletFusion::whyExcluded(const LocalKey& supporter) const {
+  const std::vector<WatchedSensor> sensors = sensorsOf(supporter);
+  const auto is_off = [](const WatchedSensor& watched) {
+    return std::isinf(watched.noise_scale) && watched.last && watched.last->bias.matrix().norm() <= kMostBias;
+  };
+  if (sensors.empty() || !std::all_of(sensors.begin(), sensors.end(), is_off)) return {};
+  std::ostringstream why;
+  why << "biased:";
+  for (const WatchedSensor& watched : sensors) {
+    why << (&watched == &sensors.front() ? " " : ", ") << watched.sensor << " is off by ("
+        << watched.last->bias(0) << ", " << watched.last->bias(1) << ") sigma from what the others see";
+  }
+  return why.str();
+}
+
+double TrackletFusion::noiseScale(const LocalKey& supporter) const {
+  double largest = 1.0;
+  for (const WatchedSensor& watched : sensorsOf(supporter)) {
+    if (std::isfinite(watched.noise_scale)) largest = std::max(largest, watched.noise_scale);
+  }
+  return largest;
 }
 
 std::string whyIncomplete(const std::vector<const Supporter*>& supporters, const TrackletMemory& memory,

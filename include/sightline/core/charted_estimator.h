@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "sightline/core/association.h"
 #include "sightline/core/chart.h"
 #include "sightline/core/estimator.h"
 #include "sightline/core/sphere.h"
@@ -28,6 +29,9 @@ class ChartedEstimator {
 
   /// Motion expected at `time`, in the tracking frame's angles.
   AngularState stateAt(Time time) const;
+
+  /// The same in the present chart, with the chart.
+  Expectation expect(Time time) const;
 
  private:
   void follow(Time time);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/core/sensor_guard.h"
 #include "sightline/core/time.h"
 #include "sightline/core/track.h"
 
@@ -41,9 +42,11 @@ struct SourceTrack {
 struct FusedTrack {
   Track track;  ///< `sources` are the names of the trackers that contribute
   FusionRule rule = FusionRule::weighted_covariance;  ///< that was applied
-  std::string why_not_tracklets;      ///< when the rule was to be the best one, and tracklets were not
-  std::vector<SourceTrack> sources;   ///< that contributed, by tracker name; none: the state is a prediction
-  std::vector<SourceTrack> left_out;  ///< that belong to the target and were not used
+  std::string why_not_tracklets;       ///< when the rule was to be the best one, and tracklets were not
+  std::vector<SourceTrack> sources;    ///< that contributed, by tracker name; none: the state is a prediction
+  std::vector<SourceTrack> left_out;   ///< that belong to the target and were not used
+  std::vector<WatchedSensor> sensors;  ///< whose tracklets are watched, and what is thought of them
+  std::vector<SensorChange> sensor_changes;  ///< of that, noticed with this report
 };
 
 /// All global tracks at one instant.

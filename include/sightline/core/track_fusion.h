@@ -50,12 +50,13 @@ struct TrackFusionParams {
 /// A global track is the fusion of its supporters - at most one local track of each tracker - at the newest
 /// stamp reported, and never fed back. Who supports whom is remembered. With the rule `tracklets` its state
 /// is that of an estimator of its own, run over all that its supporters' sensors have sighted; with the
-/// others it is made of their states, and not filtered over time. `best` takes tracklets where they are
-/// complete, or else cross_covariance, or covariance_intersection where sensors are not named. A
-/// supporter that contradicts the others taken together (not itself included) by more than `leave_factor`
-/// gates is left out, the worst first, and goes if that lasts for `leave_after`; everybody else is assigned
-/// to the nearest within the gate. Confirmed tracks that belong nowhere start a global track; two global
-/// tracks that turn out to be one become the older.
+/// others it is made of their states, and not filtered over time. With tracklets the sensors are watched:
+/// what one of them said since its noise grew or it was off to one side counts less or not at all, and it
+/// stays a supporter. `best` takes tracklets where they are complete, or else cross_covariance, or
+/// covariance_intersection where sensors are not named. A supporter that contradicts the others taken
+/// together (not itself included) by more than `leave_factor` gates is left out, the worst first, and goes if
+/// that lasts for `leave_after`; everybody else is assigned to the nearest within the gate. Confirmed tracks
+/// that belong nowhere start a global track; two global tracks that turn out to be one become the older.
 ///
 /// Left out, with the reason: contradictions; tentative tracks; invalid states; reports older than `max_age`;
 /// coasting tracks not seen for longer than `coasting_age`, unless nothing better is there (so that a global
@@ -113,6 +114,8 @@ class TrackFusion {
   void start(const LocalKey& key);
   void fuse(Entry& entry, const std::string& reporting);
   void feedTracklets(Entry& entry);
+  void leaveOutBiased(Entry& entry) const;
+  bool usesTracklets() const;
   std::optional<Outcome> fromTracklets(Entry& entry);
   Outcome fromTracks(const Entry& entry) const;
   std::optional<FusedEstimate<4>> combine(FusionRule rule, const GlobalTrack& track,

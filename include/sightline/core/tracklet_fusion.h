@@ -10,6 +10,7 @@
 #include "sightline/core/estimators.h"
 #include "sightline/core/global_track.h"
 #include "sightline/core/local_reports.h"
+#include "sightline/core/sensor_guard.h"
 #include "sightline/core/time.h"
 #include "sightline/core/tracklet_memory.h"
 #include "sightline/core/tracklet_track.h"
@@ -23,6 +24,7 @@ struct TrackletFusionParams {
   /// Share of what the sources have sighted within `memory` that may be lost before other rules know more, in
   /// [0, 1].
   double max_missing = 0.25;
+  GuardParams guard;  ///< of each global track's sensors
 };
 
 /// A global track's state from its supporters' tracklets. Each sensor's come from one supporter at a time, so
@@ -47,6 +49,23 @@ class TrackletFusion {
   /// Each supporter's share in the information of the last moments, summing to one; of those that gave any.
   std::map<LocalKey, double> shares() const;
 
+  /// The sensors heard lately and what is thought of them, by name.
+  std::vector<WatchedSensor> sensors() const { return track_.sensors(); }
+
+  /// Changes of verdicts that have not been told yet.
+  std::vector<SensorChange> newChanges() { return track_.newChanges(); }
+
+  /// Whether a source that contradicts the others can be left to the guard.
+  bool canTellWhoIsWrong() const { return track_.canTellWhoIsWrong(); }
+
+  /// Why nothing that the supporter says is used ("biased: details"): all its sensors are off, by not so much
+  /// that it must be another target. Empty when it is used.
+  std::string whyExcluded(const LocalKey& supporter) const;
+
+  /// By how much the variances of the supporter's track are to be taken larger, as its sensors are noisier
+  /// than they state; >= 1.
+  double noiseScale(const LocalKey& supporter) const;
+
   std::size_t late() const { return late_; }  ///< tracklets that came too late to be used
 
  private:
@@ -55,6 +74,7 @@ class TrackletFusion {
     Time newest{};  ///< of its tracklets of the sensor
   };
 
+  std::vector<WatchedSensor> sensorsOf(const LocalKey& supporter) const;
   bool speaksFor(const LocalKey& supporter, const Tracklet& tracklet);
 
   TrackletTrack track_;

@@ -7,9 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "sightline/core/charted_estimator.h"
 #include "sightline/core/estimators.h"
+#include "sightline/core/guarded_estimator.h"
 #include "sightline/core/local_reports.h"
+#include "sightline/core/sensor_guard.h"
 #include "sightline/core/sphere.h"
 #include "sightline/core/time.h"
 #include "sightline/core/tracklet.h"
@@ -18,11 +19,18 @@ namespace sightline::core {
 
 /// One target as an estimator sees it that is given the tracklets of all its sources, each in its place in
 /// time: for a late one it goes back and runs again from there, so that the order of arrival changes nothing,
-/// to the last bit.
+/// to the last bit. Its sensors are watched: what one of them said since it is noisy or biased counts less or
+/// not at all (section 5.1).
 class TrackletTrack {
  public:
   /// `max_lag`: tracklets up to so much older than the newest are put in their place [s], >= 0.
-  TrackletTrack(const EstimatorParams& estimator, double max_lag);
+  TrackletTrack(const EstimatorParams& estimator, double max_lag, const GuardParams& guard = {});
+
+  TrackletTrack(TrackletTrack&&) = default;
+  TrackletTrack& operator=(TrackletTrack&&) = default;
+  TrackletTrack(const TrackletTrack&) = delete;
+  TrackletTrack& operator=(const TrackletTrack&) = delete;
+  ~TrackletTrack() = default;
 
   /// Takes a tracklet of a local track, the `number`-th that its tracker said. One that is here already is
   /// not taken again. False when it is too late.
@@ -36,31 +44,37 @@ class TrackletTrack {
   /// Times do not go back.
   std::optional<AngularState> stateAt(Time time);
 
-  /// How much information each source has given since `max_lag` ago [1/rad^2].
+  /// How much information each source has given since `max_lag` ago, as it was used [1/rad^2].
   std::map<LocalKey, double> informationBySource() const;
 
- private:
-  /// The estimator at one instant; none before the first tracklet.
-  using Snapshot = std::optional<ChartedEstimator>;
+  /// The sensors seen lately and what is thought of them.
+  std::vector<WatchedSensor> sensors() const { return estimator_.sensors(); }
 
+  /// Whether enough sensors are in use to tell which of them is to blame for a disagreement.
+  bool canTellWhoIsWrong() const { return estimator_.decides(); }
+
+  /// Changes of verdicts that have not been told yet.
+  std::vector<SensorChange> newChanges();
+
+ private:
   struct Entry {
     LocalKey source;
     std::uint64_t number;
     Tracklet tracklet;
-    std::unique_ptr<Snapshot> before;  // kept now and then
+    std::unique_ptr<GuardedEstimator> before;  // kept now and then
   };
 
   void goBackTo(std::size_t entry);
-  void take(const Tracklet& tracklet);
   bool isSnapshotDue() const;
   void forgetOld();
 
-  EstimatorParams params_;
-  double max_lag_;              // [s]
-  std::vector<Entry> entries_;   // in order of time; the first has its snapshot, if it was taken
-  std::size_t taken_ = 0;       // that many of the entries are in ...
-  Snapshot estimator_;          // ... this
-  std::optional<Time> closed_;  // before this nothing can be put any more
+  double max_lag_;                  // [s]
+  std::vector<Entry> entries_;      // in order of time; the first open one has its snapshot, if it was taken
+  std::size_t open_ = 0;            // from this entry on others can be put between
+  std::size_t taken_ = 0;           // that many of the entries are in ...
+  GuardedEstimator estimator_;      // ... this
+  std::optional<Time> closed_;      // before this nothing can be put any more
+  std::vector<SensorChange> told_;  // changes
 };
 
 }  // namespace sightline::core

@@ -1,0 +1,166 @@
+#include "sightline/core/guarded_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sightline::core {
+namespace {
+
+constexpr int kMomentsPerRollBack = 8;
+constexpr std::size_t kLeastTaken = 4;    // tracklets that make an estimate a yardstick
+constexpr std::size_t kMostChanges = 64;  // that are remembered
+constexpr std::size_t kMostSeen = 64;     // sensors
+
+/// Which of the equal parts of time it is in; with `length` 0 each instant is one.
+std::int64_t partOf(Time time, double length) {
+  const auto width = durationOf(length).count();
+  return width > 0 ? time.time_since_epoch().count() / width : time.time_since_epoch().count();
+}
+
+}  // namespace
+
+GuardedEstimator::GuardedEstimator(const EstimatorParams& estimator, const GuardParams& guard, double keep)
+    : settings_(std::make_shared<Settings>(Settings{estimator, guard, std::max(keep, guard.roll_back)})),
+      guard_(guard) {}
+
+void GuardedEstimator::take(const Tracklet& next, const Past& past) {
+  if (settings_->guard.enabled) {
+    keepMoment(next.time);
+    watch(next);
+    if (const auto change = guard_.judge(next.time, next.sensor)) {
+      changes_.push_back(*change);
+      if (changes_.size() > kMostChanges) changes_.erase(changes_.begin());
+      const bool is_harmful = change->change.verdict != SensorVerdict::healthy && !change->undecided;
+      if (is_harmful) goBack(next, *change, past);
+    }
+  }
+  settle(next, guard_.noiseScale(next.sensor));
+}
+
+/// Keeps what it is before the first tracklet of each part of time: which those are depends on the tracklets
+/// alone, so that going back gives the same bits in whatever order they came.
+void GuardedEstimator::keepMoment(Time next) {
+  const double part = settings_->guard.roll_back / kMomentsPerRollBack;
+  if (taken_ > 0 && partOf(next, part) == partOf(last_, part)) return;
+  moments_.push_back(std::make_shared<Moment>(Moment{next, last_, taken_, estimator_, guard_, seen_}));
+  const Time oldest = next - durationOf(settings_->keep);
+  while (moments_.size() > 1 && moments_[1]->time <= oldest) moments_.pop_front();
+  while (scales_.size() > taken_ - moments_.front()->taken) scales_.pop_front();
+}
+
+Vouching GuardedEstimator::vouchingFor(const Tracklet& tracklet) const {
+  Vouching vouching;
+  for (const Seen& seen : seen_) {
+    const double silence = seconds(tracklet.time - seen.last);
+    if (seen.sensor == tracklet.sensor) {
+      vouching.has_sensor = guard_.sees(silence);
+    } else if (guard_.mayVouch(seen.sensor, silence)) {
+      ++vouching.others;
+    }
+  }
+  return vouching;
+}
+
+/// Shows the guard a tracklet beside what is expected of it, before it is taken.
+void GuardedEstimator::watch(const Tracklet& tracklet) {
+  if (!estimator_ || taken_ < kLeastTaken) return;
+  Expectation expectation = estimator_->expect(tracklet.time);
+  expectation.believed = expectation.guards = true;
+  Scan scan;
+  scan.time = tracklet.time;
+  scan.sensor = tracklet.sensor;
+  scan.ifov = tracklet.ifov;
+  scan.sightings = {tracklet.sighting};
+  Pairing pairing;
+  pairing.sighting_of = pairing.expectation_of = {0};
+  pairing.may_start = {false};
+  guard_.watch(scan, {expectation}, pairing, {vouchingFor(tracklet)});
+}
+
+/// After an alarm by `next`: back to when the change began, and on from there with what is known now of the
+/// sensor. The others are watched anew, against an estimate that it no longer harms; they are judged when
+/// their next tracklet comes.
+void GuardedEstimator::goBack(const Tracklet& next, const SensorChange& change, const Past& past) {
+  const SensorGuard known = guard_;
+  const Time began = std::max(change.change.began, next.time - durationOf(settings_->guard.roll_back));
+  std::size_t from = moments_.size() - 1;
+  while (from > 0 && moments_[from]->time > began) --from;
+  const std::shared_ptr<const Moment> moment = moments_[from];
+  const std::size_t count = taken_ - moment->taken;
+  const std::vector<double> scales(scales_.end() - static_cast<std::ptrdiff_t>(count), scales_.end());
+  moments_.resize(from + 1);
+  restore(*moment);
+  guard_.adopt(known, moment->time);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Tracklet& tracklet = past(count - i);
+    if (i > 0) keepMoment(tracklet.time);
+    if (!known.changedSince(tracklet.sensor, moment->time)) watch(tracklet);
+    const bool is_harmful = tracklet.sensor == change.sensor && tracklet.time >= began;
+    settle(tracklet, is_harmful ? known.noiseScale(change.sensor) : scales[i]);
+  }
+  if (count > 0) keepMoment(next.time);
+}
+
+void GuardedEstimator::restore(const Moment& moment) {
+  scales_.resize(scales_.size() - (taken_ - moment.taken));
+  taken_ = moment.taken;
+  last_ = moment.last;
+  estimator_.reset();
+  if (moment.estimator) estimator_.emplace(*moment.estimator);
+  guard_ = moment.guard;
+  seen_ = moment.seen;
+}
+
+/// Uses the tracklet with that factor on its covariance. A target that nobody else sees is followed with an
+/// excluded sensor all the same.
+void GuardedEstimator::settle(const Tracklet& tracklet, double noise_scale) {
+  const bool is_excluded = std::isinf(noise_scale) && vouchingFor(tracklet).others > 0;
+  if (!is_excluded) {
+    Tracklet scaled = tracklet;
+    if (std::isfinite(noise_scale) && noise_scale != 1.0) scaled.sighting.covariance *= noise_scale;
+    if (estimator_) {
+      estimator_->update(scaled);
+    } else {
+      estimator_.emplace(makeEstimator(settings_->estimator), scaled);
+    }
+  }
+  ++taken_;
+  last_ = tracklet.time;
+  if (!settings_->guard.enabled) return;
+  scales_.push_back(noise_scale);
+  const auto seen =
+      std::find_if(seen_.begin(), seen_.end(), [&](const Seen& it) { return it.sensor == tracklet.sensor; });
+  if (seen != seen_.end()) {
+    seen->last = tracklet.time;
+  } else if (seen_.size() < kMostSeen) {
+    seen_.push_back({tracklet.sensor, tracklet.time});
+  }
+}
+
+std::optional<AngularState> GuardedEstimator::stateAt(Time time) const {
+  if (!estimator_) return std::nullopt;
+  return estimator_->stateAt(time);
+}
+
+double GuardedEstimator::noiseScale(std::size_t back) const {
+  return back <= scales_.size() ? scales_[scales_.size() - back] : 1.0;
+}
+
+std::vector<WatchedSensor> GuardedEstimator::sensors() const {
+  std::vector<WatchedSensor> sensors;
+  for (WatchedSensor& watched : guard_.sensors()) {
+    const auto isIt = [&](const Seen& it) {
+      return it.sensor == watched.sensor && guard_.sees(seconds(last_ - it.last));
+    };
+    if (std::any_of(seen_.begin(), seen_.end(), isIt)) sensors.push_back(std::move(watched));
+  }
+  return sensors;
+}
+
+bool GuardedEstimator::decides() const {
+  return settings_->guard.enabled && std::count_if(seen_.begin(), seen_.end(), [this](const Seen& seen) {
+                                       return guard_.mayVouch(seen.sensor, seconds(last_ - seen.last));
+                                     }) >= 3;
+}
+
+}  // namespace sightline::core
