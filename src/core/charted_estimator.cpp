@@ -12,9 +12,14 @@ ChartedEstimator::ChartedEstimator(std::unique_ptr<Estimator> estimator, const T
 ChartedEstimator::ChartedEstimator(const ChartedEstimator& other)
     : chart_(other.chart_), estimator_(other.estimator_->clone()) {}
 
-void ChartedEstimator::update(const Tracklet& tracklet) {
+void ChartedEstimator::update(const Tracklet& tracklet, double stamp_variance) {
   follow(tracklet.time);
-  estimator_->update(measurementOf(tracklet));
+  Measurement measurement = measurementOf(tracklet);
+  if (stamp_variance > 0.0) {
+    const Eigen::Vector2d rates = estimator_->stateAt(tracklet.time)->rates();
+    measurement.covariance += stamp_variance * rates * rates.transpose();
+  }
+  estimator_->update(measurement);
 }
 
 AngularState ChartedEstimator::stateAt(Time time) const {

@@ -17,6 +17,43 @@ std::int64_t partOf(Time time, double length) {
   return width > 0 ? time.time_since_epoch().count() / width : time.time_since_epoch().count();
 }
 
+/// A tracklet against what was expected of it, in sigmas of that.
+struct Residual {
+  Eigen::Array2d u;
+  double log_sigmas = 0.0;  // their sum
+};
+
+Residual residualOf(const ChartedEstimator& estimator, const Tracklet& tracklet) {
+  const Expectation expectation = estimator.expect(tracklet.time);
+  const Eigen::Vector2d difference = angleDifference(
+      expectation.chart.coordinatesOf(tracklet.sighting.direction), expectation.prediction.angles());
+  const Eigen::Array2d variance = expectation.prediction.anglesCovariance().diagonal() +
+                                  expectation.chart.covarianceOf(tracklet.sighting).diagonal();
+  return {difference.array() / variance.sqrt(), 0.5 * variance.log().sum()};
+}
+
+/// Residuals of one sensor.
+struct Residuals {
+  double count = 0.0;
+  Eigen::Array2d sum = Eigen::Array2d::Zero();
+  double squares = 0.0;
+
+  void add(const Eigen::Array2d& u) {
+    count += 1.0;
+    sum += u;
+    squares += u.square().sum();
+  }
+
+  /// Log likelihood by the bias or the noise that explains them best.
+  double bestLikelihood() const {
+    if (count == 0.0) return 0.0;
+    const double by_bias = -0.5 * (squares - sum.square().sum() / count);
+    const double variance = std::max(1.0, squares / (2.0 * count));
+    const double by_noise = -0.5 * (2.0 * count * std::log(variance) + squares / variance);
+    return std::max(by_bias, by_noise);
+  }
+};
+
 }  // namespace
 
 GuardedEstimator::GuardedEstimator(const EstimatorParams& estimator, const GuardParams& guard, double keep)
@@ -27,11 +64,15 @@ void GuardedEstimator::take(const Tracklet& next, const Past& past) {
   if (settings_->guard.enabled) {
     keepMoment(next.time);
     watch(next);
+    const bool was_used = guard_.noiseScale(next.sensor) == 1.0;
     if (const auto change = guard_.judge(next.time, next.sensor)) {
-      changes_.push_back(*change);
-      if (changes_.size() > kMostChanges) changes_.erase(changes_.begin());
       const bool is_harmful = change->change.verdict != SensorVerdict::healthy && !change->undecided;
-      if (is_harmful) goBack(next, *change, past);
+      if (is_harmful && was_used && !isToBlame(*change, past)) {
+        guard_.acquit(next.time, next.sensor);
+      } else {
+        note(*change);
+        if (is_harmful) goBack(next, *change, past);
+      }
     }
   }
   settle(next, guard_.noiseScale(next.sensor));
@@ -77,14 +118,67 @@ void GuardedEstimator::watch(const Tracklet& tracklet) {
   guard_.watch(scan, {expectation}, pairing, {vouchingFor(tracklet)});
 }
 
+void GuardedEstimator::note(const SensorChange& change) {
+  changes_.push_back(change);
+  if (changes_.size() > kMostChanges) changes_.erase(changes_.begin());
+}
+
+/// The last moment not after `time`, or the first.
+std::size_t GuardedEstimator::momentAt(Time time) const {
+  std::size_t moment = moments_.size() - 1;
+  while (moment > 0 && moments_[moment]->time > time) --moment;
+  return moment;
+}
+
+Time GuardedEstimator::rollBackTo(const SensorChange& change) const {
+  return std::max(change.change.began, change.change.time - durationOf(settings_->guard.roll_back));
+}
+
+bool GuardedEstimator::isToBlame(const SensorChange& change, const Past& past) const {
+  const Time began = rollBackTo(change);
+  const double own = evidenceAgainst(change.sensor, began, past);
+  return std::none_of(seen_.begin(), seen_.end(), [&](const Seen& other) {
+    const bool is_suspect = other.sensor != change.sensor && guard_.noiseScale(other.sensor) == 1.0;
+    return is_suspect && other.last >= began && evidenceAgainst(other.sensor, began, past) > own;
+  });
+}
+
+/// Log likelihood of all that was seen since `began` if this sensor has been off to one side since, or noisy,
+/// by as much as explains it best, and is not used; up to a constant that is the same for every sensor.
+double GuardedEstimator::evidenceAgainst(const std::string& sensor, Time began, const Past& past) const {
+  const Moment& moment = *moments_[momentAt(began)];
+  std::optional<ChartedEstimator> estimator;
+  if (moment.estimator) estimator.emplace(*moment.estimator);
+  double likelihood = 0.0;
+  Residuals own;
+  for (std::size_t back = taken_ - moment.taken; back > 0; --back) {
+    const Tracklet& tracklet = past(back);
+    const bool is_own = tracklet.sensor == sensor && tracklet.time >= began;
+    const double scale = noiseScale(back);
+    if (!std::isfinite(scale)) continue;
+    Tracklet scaled = tracklet;
+    scaled.sighting.covariance *= scale;
+    if (!estimator) {
+      if (!is_own) estimator.emplace(makeEstimator(settings_->estimator), scaled);
+      continue;
+    }
+    if (tracklet.time >= began) {
+      const Residual residual = residualOf(*estimator, scaled);
+      likelihood -= residual.log_sigmas + (is_own ? 0.0 : 0.5 * residual.u.square().sum());
+      if (is_own) own.add(residual.u);
+    }
+    if (!is_own) estimator->update(scaled, guard_.clockVariance(tracklet.sensor));
+  }
+  return likelihood + own.bestLikelihood();
+}
+
 /// After an alarm by `next`: back to when the change began, and on from there with what is known now of the
 /// sensor. The others are watched anew, against an estimate that it no longer harms; they are judged when
 /// their next tracklet comes.
 void GuardedEstimator::goBack(const Tracklet& next, const SensorChange& change, const Past& past) {
   const SensorGuard known = guard_;
-  const Time began = std::max(change.change.began, next.time - durationOf(settings_->guard.roll_back));
-  std::size_t from = moments_.size() - 1;
-  while (from > 0 && moments_[from]->time > began) --from;
+  const Time began = rollBackTo(change);
+  const std::size_t from = momentAt(began);
   const std::shared_ptr<const Moment> moment = moments_[from];
   const std::size_t count = taken_ - moment->taken;
   const std::vector<double> scales(scales_.end() - static_cast<std::ptrdiff_t>(count), scales_.end());
@@ -119,7 +213,7 @@ void GuardedEstimator::settle(const Tracklet& tracklet, double noise_scale) {
     Tracklet scaled = tracklet;
     if (std::isfinite(noise_scale) && noise_scale != 1.0) scaled.sighting.covariance *= noise_scale;
     if (estimator_) {
-      estimator_->update(scaled);
+      estimator_->update(scaled, guard_.clockVariance(tracklet.sensor));
     } else {
       estimator_.emplace(makeEstimator(settings_->estimator), scaled);
     }

@@ -207,6 +207,13 @@ std::optional<SensorChange> SensorGuard::judge(Time time, const std::string& sen
   return said;
 }
 
+void SensorGuard::acquit(Time time, const std::string& sensor) {
+  if (find(sensor) == nullptr) return;
+  Watch& watch = watches_[placeOf(sensor)];
+  watch.health.forget(time);
+  watch.undecided = false;
+}
+
 bool SensorGuard::changedSince(const std::string& sensor, Time since) const {
   const Watch* watch = find(sensor);
   return watch != nullptr && watch->health.lastChange() && watch->health.lastChange()->time >= since;

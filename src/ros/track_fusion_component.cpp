@@ -1,9 +1,12 @@
 #include "sightline/ros/track_fusion_component.h"
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
+#include <limits>
 #include <sstream>
 
 #include "sightline/ros/conversions.h"
+#include "sightline/ros/sensor_words.h"
 #include "sightline/ros/track_fusion_params.h"
 #include "sightline/ros/tracklet_messages.h"
 
@@ -37,6 +40,55 @@ std::vector<sightline::SourceTrack> toMessages(const std::vector<core::SourceTra
   messages.reserve(rows.size());
   for (const core::SourceTrack& row : rows) messages.push_back(toMessage(row));
   return messages;
+}
+
+std::string nameOf(core::SensorVerdict verdict) {
+  switch (verdict) {
+    case core::SensorVerdict::healthy:
+      return "healthy";
+    case core::SensorVerdict::noisy:
+      return "noisy";
+    case core::SensorVerdict::biased:
+      return "biased";
+  }
+  return "";
+}
+
+sightline::SensorHealth toMessage(const core::HealthChange& change, bool undecided) {
+  sightline::SensorHealth message;
+  message.verdict = nameOf(change.verdict);
+  message.undecided = undecided;
+  message.since = toRos(change.began);
+  message.clock_behind = std::numeric_limits<double>::quiet_NaN();
+  message.noticed = toRos(change.time);
+  for (Eigen::Index channel = 0; channel < std::min<Eigen::Index>(2, change.bias.size()); ++channel)
+    message.bias[static_cast<std::size_t>(channel)] = change.bias(channel);
+  return message;
+}
+
+sightline::SensorHealth toMessage(const core::WatchedSensor& watched) {
+  sightline::SensorHealth message;
+  if (watched.last) message = toMessage(*watched.last, watched.undecided);
+  message.sensor = watched.sensor;
+  message.verdict = nameOf(watched.verdict);
+  message.noise_scale = watched.noise_scale;
+  message.reason = wordsOf(watched);
+  message.clock_behind = std::numeric_limits<double>::quiet_NaN();
+  if (!watched.clock) return message;
+  message.clock_behind = watched.clock->behind;
+  message.reason += "; " + clockWordsOf(watched);
+  return message;
+}
+
+sightline::SensorHealth toMessage(const core::SensorChange& said) {
+  sightline::SensorHealth message = toMessage(said.change, said.undecided);
+  message.sensor = said.sensor;
+  message.noise_scale = said.change.verdict == core::SensorVerdict::noisy ? said.change.scale : 1.0;
+  if (said.change.verdict == core::SensorVerdict::biased)
+    message.noise_scale = std::numeric_limits<double>::infinity();
+  if (said.undecided) message.noise_scale = 1.0;
+  message.reason = wordsOf(said);
+  return message;
 }
 
 core::LocalReport toCore(const sightline::TrackArray& message) {
@@ -129,6 +181,7 @@ void TrackFusionComponent::note(const std::string& tracker, const std_msgs::Head
 
 FusionResult TrackFusionComponent::refused(const sightline::TrackArray& local, const std::string& why) const {
   core::FusionReport report = latest_;
+  for (core::FusedTrack& track : report.tracks) track.sensor_changes.clear();  // told already
   for (const sightline::Track& track : local.tracks) {
     if (report.left_out.size() >= static_cast<std::size_t>(params_.reports.max_tracks)) break;
     core::SourceTrack row;
@@ -165,6 +218,8 @@ sightline::FusionReport::Ptr TrackFusionComponent::fusionReport(const core::Fusi
     row.why_not_tracklets = track.why_not_tracklets;
     row.sources = toMessages(track.sources);
     row.left_out = toMessages(track.left_out);
+    for (const core::WatchedSensor& watched : track.sensors) row.sensors.push_back(toMessage(watched));
+    for (const core::SensorChange& said : track.sensor_changes) row.sensor_changes.push_back(toMessage(said));
     message->tracks.push_back(row);
   }
   message->left_out = toMessages(fused.left_out);

@@ -1,6 +1,7 @@
 #include "sightline/ros/track_fusion_health.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <sstream>
 
@@ -17,7 +18,8 @@ namespace {
 
 constexpr double kSecondsBetweenWarnings = 5.0;
 constexpr std::size_t kMostTrackers = 256;
-constexpr double kDefaultSilence = 2.0;  // [s]
+constexpr std::size_t kMostSensors = 256;  // of which changes are told
+constexpr double kDefaultSilence = 2.0;    // [s]
 
 /// Reasons for leaving a local track out that need somebody's hand; the others are a tracker's daily life.
 const std::set<std::string> kCallForHelp{"invalid", "limit", "shared sensor", "undetermined"};
@@ -54,12 +56,50 @@ void TrackFusionHealth::note(const sightline::TrackArray& local, const std::stri
   left_out_.clear();
   rules_.clear();
   why_not_tracklets_.clear();
+  sensors_.clear();
+  harmful_.clear();
   for (const auto& track : result.report->tracks) {
     noteLeftOut(track.left_out);
+    noteSensors(track);
     ++rules_[track.rule];
     if (!track.why_not_tracklets.empty()) why_not_tracklets_ = track.why_not_tracklets;
   }
   noteLeftOut(result.report->left_out);
+}
+
+/// A sensor of several tracks is shown with the worst that is thought of it.
+void TrackFusionHealth::noteSensors(const sightline::FusedTrack& track) {
+  for (const auto& sensor : track.sensors) {
+    const std::string words = "track " + std::to_string(track.id) + ": " + sensor.reason;
+    if (sensor.verdict != "healthy" || std::isfinite(sensor.clock_behind)) {
+      harmful_.emplace(sensor.sensor, words);
+    } else {
+      sensors_.emplace(sensor.sensor, words);
+    }
+  }
+  for (const auto& [sensor, words] : harmful_) sensors_[sensor] = words;
+}
+
+std::vector<std::string> TrackFusionHealth::sensorLines(const FusionResult& result, core::Time now) {
+  std::vector<std::string> lines;
+  for (const auto& track : result.report->tracks) {
+    for (const auto& change : track.sensor_changes) {
+      if (changes_.size() >= kMostSensors && changes_.count(change.sensor) == 0) continue;
+      Changes& changes = changes_[change.sensor];
+      const bool was_lately = changes.last_line && now >= *changes.last_line &&
+                              core::seconds(now - *changes.last_line) < kSecondsBetweenWarnings;
+      if (was_lately && change.verdict != "healthy") {
+        ++changes.held_back;
+        continue;
+      }
+      std::ostringstream line;
+      line << "track " << track.id << ": " << change.reason;
+      if (changes.held_back > 0) line << " (" << changes.held_back << " changes before not shown)";
+      lines.push_back(line.str());
+      changes = {0, now};
+    }
+  }
+  return lines;
 }
 
 void TrackFusionHealth::noteTracklets(const sightline::TrackletArray& local, const std::string& refusal,
@@ -122,6 +162,7 @@ void TrackFusionHealth::diagnose(core::Time now, diagnostic_updater::DiagnosticS
   }
   for (const auto& [rule, count] : rules_) status.add("global tracks by rule, " + rule, count);
   if (!why_not_tracklets_.empty()) status.add("why not by tracklets", why_not_tracklets_);
+  for (const auto& [sensor, words] : sensors_) status.add("guard of " + sensor, words);
   for (const auto& [tracker, count] : tracklets_) status.add("tracklets of " + tracker, count);
   if (late_tracklets_ > 0) status.add("tracklets that came too late", late_tracklets_);
   for (const auto& [kind, count] : left_out_) status.add("local tracks left out now, " + kind, count);
@@ -147,6 +188,8 @@ void TrackFusionHealth::summarize(core::Time now, diagnostic_updater::Diagnostic
     }
     status.mergeSummary(DiagnosticStatus::WARN, silent.str());
   }
+  for (const auto& [sensor, words] : harmful_)
+    status.mergeSummary(DiagnosticStatus::WARN, sensor + ": " + words);
   for (const auto& [kind, complaint] : complaints_) {
     if (complaint.count == complaint.count_before) continue;
     status.mergeSummary(DiagnosticStatus::WARN,

@@ -101,6 +101,8 @@ void TrackFusionNode::onTracks(const sightline::TrackArray::ConstPtr& local, con
   if (result.tracks) tracks_.publish(result.tracks);
   report_.publish(result.report);
   health_.note(*local, topic, result);
+  for (const std::string& line : health_.sensorLines(result, now))
+    ROS_WARN_STREAM(component_.name() << ": " << line);
   for (const std::string& warning : health_.warnings(now))
     ROS_WARN_STREAM(component_.name() << ": " << warning);
 }

@@ -40,6 +40,7 @@ core::TrackletFusionParams loadTrackletFusionParams(const ParamReader& reader,
   params.max_lag = tracklets.number("max_lag", params.max_lag, above(0.0), "s");
   params.memory = tracklets.number("memory", params.memory, above(0.0), "s");
   params.max_missing = tracklets.number("max_missing", params.max_missing, between(0.0, 1.0));
+  params.guard = loadGuardParams(reader.sub("guard"), params.guard);
   return params;
 }
 

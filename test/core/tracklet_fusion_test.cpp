@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -296,6 +297,47 @@ TEST(TrackletFusion, ContradictingSourceIsTakenBack) {
   EXPECT_TRUE(was_left_out);
 }
 
+TEST(TrackletFusion, HarmfulSourceStaysASupporterAndIsNotUsedUntilItRecovers) {
+  for (const bool is_bias : {true, false}) {
+    Platform platform = threeSensors();
+    platform.tracker.estimator = platform.fusion.tracklets.estimator = estimatorOf(EstimatorKind::kalman);
+    platform.tracker.guard.enabled = false;  // the central one's
+    for (PlatformSensor& sensor : platform.sensors) sensor.interval = 0.03;
+    platform.duration = 8.0;
+    std::mt19937_64 random(7);
+    std::normal_distribution<double> normal;
+    platform.bias = [&](const PlatformSensor& sensor, double t) {
+      if (sensor.tracker != "b" || t < 2.0 || t > 4.0) return Vector2d(0.0, 0.0);
+      return is_bias ? Vector2d(3e-3, 0.0) : Vector2d(4e-3 * Vector2d(normal(random), normal(random)));
+    };
+    const PlatformRun result = run(platform);
+    std::set<std::string> verdicts;
+    std::set<std::uint32_t> ids;
+    int left_out = 0, others_left_out = 0;
+    double worst = 0.0;
+    for (const FusionReport& report : result.fused) {
+      const double t = seconds(report.time - platformTime(0.0));
+      if (t < 1.0) continue;
+      for (const FusedTrack& fused : report.tracks) ids.insert(fused.track.id);
+      const FusedTrack& fused = report.tracks.at(0);
+      worst = std::max(worst, (fused.track.state.angles() - sinusoid(t)).norm());
+      for (const SensorChange& change : fused.sensor_changes) {
+        verdicts.insert(change.change.verdict == SensorVerdict::healthy  ? "healthy"
+                        : change.change.verdict == SensorVerdict::biased ? "biased"
+                                                                         : "noisy");
+      }
+      for (const SourceTrack& row : fused.left_out) {
+      }
+    }
+    EXPECT_EQ(verdicts, (std::set<std::string>{is_bias ? "biased" : "noisy", "healthy"}));
+    EXPECT_EQ(ids.size(), 1u) << "one target, one track";
+    EXPECT_LT(worst, 2.5e-3);
+    EXPECT_LT(others_left_out, 30);
+    EXPECT_EQ(left_out > 100, is_bias) << left_out;
+    EXPECT_EQ(result.fused.back().tracks.at(0).sources.size(), 3u) << "it is used again";
+  }
+}
+
 TEST(TrackletTrack, LateTrackletIsPutInItsPlaceAndTooLateOneIsNot) {
   const auto trackletAt = [](double t) {
     Tracklet tracklet;
@@ -373,6 +415,240 @@ TEST(TrackletTrack, WhatASourceSaidCanBeTakenBack) {
   EXPECT_EQ(a.mean, b.mean);
   EXPECT_EQ(a.covariance, b.covariance);
   EXPECT_EQ(with.informationBySource().size(), 1u);
+}
+
+/// A target on a straight path, seen by `sensors` sensors every 30 ms each, one after the other; the last one
+/// may harm from t = 2 s on.
+struct Watched {
+  int sensors = 3;
+  double duration = 5.0;           // [s]
+  double bias = 0.0;               // [sigma], in both angles
+  double noise = 1.0;              // factor on the last one's sigma
+  double from = 2.0, until = 1e9;  // of the harm [s]
+  unsigned seed = 1;
+};
+
+constexpr double kWatchedSigma = 1e-3;  // [rad]
+
+Vector2d straight(double t) {
+  return {0.01 * t, 0.2 - 0.005 * t};
+}
+
+std::vector<Tracklet> trackletsOf(const Watched& watched) {
+  std::mt19937_64 random(watched.seed);
+  std::normal_distribution<double> normal;
+  std::vector<Tracklet> tracklets;
+  for (int k = 0; 0.03 * k / watched.sensors < watched.duration; ++k) {
+    const double t = 0.03 * k / watched.sensors;
+    const bool is_last = k % watched.sensors == watched.sensors - 1;
+    const bool harms = is_last && t >= watched.from && t < watched.until;
+    const double n1 = normal(random), n2 = normal(random);
+    Tracklet tracklet;
+    tracklet.time = platformTime(t);
+    tracklet.sensor = std::string("camera ") + static_cast<char>('a' + k % watched.sensors);
+    const Vector2d error =
+        (harms ? watched.noise : 1.0) * Vector2d(n1, n2) + (harms ? watched.bias : 0.0) * Vector2d::Ones();
+    tracklet.sighting = sightingOf(straight(t) + kWatchedSigma * error,
+                                   kWatchedSigma * kWatchedSigma * Eigen::Matrix2d::Identity());
+    tracklets.push_back(tracklet);
+  }
+  return tracklets;
+}
+
+EstimatorParams kalmanOf(double ratio) {
+  EstimatorParams estimator = estimatorOf(EstimatorKind::kalman);
+  estimator.kalman.process_noise_ratio = ratio;
+  return estimator;
+}
+
+GuardParams noGuard() {
+  GuardParams guard;
+  guard.enabled = false;
+  return guard;
+}
+
+LocalKey sourceOf(const Tracklet& tracklet) {
+  return {"tracker of " + tracklet.sensor, 1};
+}
+
+/// A track that has taken them in this order.
+TrackletTrack trackOf(const std::vector<Tracklet>& tracklets, const GuardParams& guard = {}) {
+  TrackletTrack track(kalmanOf(1.0), 1.0, guard);
+  for (const Tracklet& tracklet : tracklets) {
+    track.add(sourceOf(tracklet), 1, tracklet);
+    track.stateAt(tracklet.time);
+  }
+  return track;
+}
+
+WatchedSensor verdictOn(const TrackletTrack& track, const std::string& sensor) {
+  for (const WatchedSensor& watched : track.sensors()) {
+    if (watched.sensor == sensor) return watched;
+  }
+  ADD_FAILURE() << sensor << " is not watched";
+  return {};
+}
+
+TEST(TrackletGuard, BiasedSourceIsOutOfTheStateFromWhenItBegan) {
+  Watched watched;
+  watched.bias = 4.0;
+  const std::vector<Tracklet> tracklets = trackletsOf(watched);
+  TrackletTrack track = trackOf(tracklets);
+  const WatchedSensor found = verdictOn(track, "camera c");
+  EXPECT_EQ(found.verdict, SensorVerdict::biased);
+  ASSERT_TRUE(found.last);
+  const Time began = found.last->began;
+  EXPECT_NEAR(seconds(began - platformTime(2.0)), 0.0, 0.1);
+  EXPECT_NEAR(found.last->bias(0), 4.0, 1.5);
+
+  std::vector<Tracklet> rest;  // what a fusion has that never had them
+  for (const Tracklet& tracklet : tracklets) {
+    if (tracklet.sensor != "camera c" || tracklet.time < began) rest.push_back(tracklet);
+  }
+  TrackletTrack without = trackOf(rest, noGuard());
+  const Time end = tracklets.back().time;
+  EXPECT_EQ(track.stateAt(end)->mean, without.stateAt(end)->mean);
+  EXPECT_EQ(track.stateAt(end)->covariance, without.stateAt(end)->covariance);
+  EXPECT_EQ(track.informationBySource().at({"tracker of camera c", 1}), 0.0);
+  const std::vector<SensorChange> changes = track.newChanges();
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].sensor, "camera c");
+  EXPECT_TRUE(track.newChanges().empty()) << "each is told once";
+}
+
+TEST(TrackletGuard, GrownNoiseCountsWithItsVariance) {
+  Watched watched;
+  watched.noise = 5.0;
+  TrackletTrack track = trackOf(trackletsOf(watched));
+  const WatchedSensor found = verdictOn(track, "camera c");
+  EXPECT_EQ(found.verdict, SensorVerdict::noisy);
+  EXPECT_GT(std::sqrt(found.noise_scale), 3.0);
+  EXPECT_LT(std::sqrt(found.noise_scale), 8.0);
+  auto information = track.informationBySource();
+  EXPECT_LT(information.at({"tracker of camera c", 1}), 0.2 * information.at({"tracker of camera a", 1}));
+}
+
+TEST(TrackletGuard, RecoveredSourceCountsAgain) {
+  for (const double bias : {0.0, 4.0}) {
+    Watched watched;
+    watched.bias = bias;
+    watched.noise = bias == 0.0 ? 5.0 : 1.0;
+    watched.until = 4.0;
+    watched.duration = 10.0;
+    TrackletTrack track = trackOf(trackletsOf(watched));
+    EXPECT_EQ(verdictOn(track, "camera c").verdict, SensorVerdict::healthy) << bias;
+    const std::vector<SensorChange> changes = track.newChanges();
+    ASSERT_GE(changes.size(), 2u) << bias;
+    EXPECT_EQ(changes.front().change.verdict, bias > 0.0 ? SensorVerdict::biased : SensorVerdict::noisy);
+    EXPECT_EQ(changes.back().change.verdict, SensorVerdict::healthy);
+    auto information = track.informationBySource();
+    EXPECT_NEAR(information.at({"tracker of camera c", 1}) / information.at({"tracker of camera a", 1}), 1.0,
+                0.1);
+  }
+}
+
+TEST(TrackletGuard, HealthySourcesChangeNotOneBit) {
+  Watched watched;
+  watched.duration = 20.0;
+  const std::vector<Tracklet> tracklets = trackletsOf(watched);
+  TrackletTrack with = trackOf(tracklets), without = trackOf(tracklets, noGuard());
+  const Time end = tracklets.back().time;
+  EXPECT_TRUE(with.newChanges().empty());
+  EXPECT_EQ(with.sensors().size(), 3u);
+  EXPECT_EQ(with.stateAt(end)->mean, without.stateAt(end)->mean);
+  EXPECT_EQ(with.stateAt(end)->covariance, without.stateAt(end)->covariance);
+}
+
+TEST(TrackletGuard, AnyOrderOfArrivalGivesTheSameBitsThroughAlarmsAndRecoveries) {
+  int alarms = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Watched watched;
+    watched.seed = seed;
+    watched.sensors = 4;
+    watched.until = 3.0;
+    (seed % 2 == 0 ? watched.bias : watched.noise) = 4.0;
+    const std::vector<Tracklet> tracklets = trackletsOf(watched);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> late(0.0, 0.8);
+    std::vector<std::pair<Time, Tracklet>> arrivals;
+    for (const Tracklet& it : tracklets) arrivals.emplace_back(it.time + durationOf(late(random)), it);
+    std::sort(arrivals.begin(), arrivals.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<Tracklet> shuffled;
+    for (const auto& arrival : arrivals) shuffled.push_back(arrival.second);
+    TrackletTrack in_order = trackOf(tracklets);
+    TrackletTrack out_of_order(kalmanOf(1.0), 1.0);
+    Time newest{};
+    for (const Tracklet& tracklet : shuffled) {
+      EXPECT_TRUE(out_of_order.add(sourceOf(tracklet), 1, tracklet));
+      newest = std::max(newest, tracklet.time);
+      out_of_order.stateAt(newest);
+    }
+    const Time end = tracklets.back().time;
+    ASSERT_EQ(in_order.stateAt(end)->mean, out_of_order.stateAt(end)->mean) << seed;
+    ASSERT_EQ(in_order.stateAt(end)->covariance, out_of_order.stateAt(end)->covariance) << seed;
+    alarms += static_cast<int>(in_order.newChanges().size());
+  }
+  EXPECT_GE(alarms, 10);
+}
+
+TEST(TrackletGuard, OfTwoSourcesItIsOnlySaid) {
+  Watched watched;
+  watched.sensors = 2;
+  watched.noise = 5.0;
+  const std::vector<Tracklet> tracklets = trackletsOf(watched);
+  TrackletTrack with = trackOf(tracklets), without = trackOf(tracklets, noGuard());
+  const WatchedSensor found = verdictOn(with, "camera b");
+  EXPECT_TRUE(found.undecided);
+  EXPECT_NE(found.verdict, SensorVerdict::healthy);
+  EXPECT_EQ(found.noise_scale, 1.0);
+  const Time end = tracklets.back().time;
+  EXPECT_EQ(with.stateAt(end)->mean, without.stateAt(end)->mean);
+}
+
+/// Root mean square of the error over t > 1 s of a fusion at every tracklet [rad].
+double errorOf(const std::vector<Tracklet>& tracklets, const GuardParams& guard) {
+  TrackletTrack track(kalmanOf(1.0), 1.0, guard);
+  double squares = 0.0;
+  int count = 0;
+  for (const Tracklet& tracklet : tracklets) {
+    track.add(sourceOf(tracklet), 1, tracklet);
+    const AngularState state = *track.stateAt(tracklet.time);
+    const double t = seconds(tracklet.time - platformTime(0.0));
+    if (t < 1.0) continue;
+    squares += (state.angles() - straight(t)).squaredNorm();
+    ++count;
+  }
+  return std::sqrt(squares / count);
+}
+
+TEST(TrackletGuard, IsNearlyAsGoodAsAFusionThatKnows) {
+  // Six sensors, one of which harms; against a fusion that knows its noise, or leaves it out, from the start.
+  for (const bool is_bias : {false, true}) {
+    double guarded = 0.0, knowing = 0.0, trusting = 0.0;
+    for (unsigned seed = 1; seed <= 40; ++seed) {
+      Watched watched;
+      watched.sensors = 6;
+      watched.duration = 10.0;
+      watched.seed = seed;
+      (is_bias ? watched.bias : watched.noise) = is_bias ? 2.0 : 4.0;
+      const std::vector<Tracklet> tracklets = trackletsOf(watched);
+      std::vector<Tracklet> honest;
+      for (const Tracklet& tracklet : tracklets) {
+        const bool harms = tracklet.sensor == "camera f" && tracklet.time >= platformTime(watched.from);
+        if (harms && is_bias) continue;
+        honest.push_back(tracklet);
+        if (harms) honest.back().sighting.covariance *= 16.0;
+      }
+      guarded += std::pow(errorOf(tracklets, {}), 2);
+      knowing += std::pow(errorOf(honest, noGuard()), 2);
+      trusting += std::pow(errorOf(tracklets, noGuard()), 2);
+    }
+    const double loss = std::sqrt(guarded / knowing), harm = std::sqrt(trusting / knowing);
+    std::cout << (is_bias ? "bias 2 sigma" : "noise x4") << ": RMSE over that of a fusion that knows " << loss
+              << ", without the guard " << harm << "\n";
+    EXPECT_LT(loss, 1.0 + 0.25 * (harm - 1.0));
+  }
 }
 
 }  // namespace

@@ -78,6 +78,8 @@ TEST(TrackFusionParams, EveryKeyReachesItsField) {
   EXPECT_EQ(tracklets.max_lag, 3.0);
   EXPECT_EQ(tracklets.memory, 2.0);
   EXPECT_EQ(tracklets.max_missing, 0.1);
+  EXPECT_FALSE(paramsOf("guard: {enabled: false}").tracklets.guard.enabled);
+  EXPECT_EQ(paramsOf("guard: {roll_back: 0.7}").tracklets.guard.roll_back, 0.7);
   EXPECT_EQ(paramsOf("intersection_weights: trace").intersection_weights, core::IntersectionWeights::trace);
   const core::TrackFusionParams params = paramsOf(
       "gate: {probability: 0.9, leave_factor: 3.0, leave_after: 0.7, registration_sigma: "
@@ -322,6 +324,52 @@ TEST_F(Component, HealthShowsRatesAgesTracksAndReasons) {
   health.diagnose(at(13.1), calm);
   EXPECT_EQ(calm.level, diagnostic_msgs::DiagnosticStatus::OK) << calm.message;
   EXPECT_EQ(calm.message, "1 confirmed");
+}
+
+TEST_F(Component, BiasedSensorIsInTheReportTheDiagnosticsAndTheLog) {
+  TrackFusionHealth health({"/a/tracks", "/b/tracks", "/c/tracks"}, 2.0);
+  FusionResult result;
+  std::vector<sightline::SensorHealth> changes;
+  std::vector<std::string> lines;
+  double stamp = 0.0;
+  for (int k = 0; k < 60; ++k) {
+    stamp = 10.0 + 0.1 * k;
+    for (const char* tracker : {"a", "b", "c"}) {
+      const double azimuth = tracker == std::string("c") && k >= 20 ? 0.506 : 0.5;
+      sightline::TrackletArray tracklets = trackletsOf(tracker, stamp, k == 0 ? 0.0 : stamp - 0.1);
+      for (auto& tracklet : tracklets.tracklets) tracklet.azimuth = azimuth;
+      component_.onTracklets(tracklets, std::string("/") + tracker + "/tracklets", at(stamp));
+      const sightline::TrackArray tracks = tracksOf(tracker, stamp, azimuth);
+      result = fuse(tracks);
+      health.note(tracks, std::string("/") + tracker + "/tracks", result);
+      for (const std::string& line : health.sensorLines(result, at(stamp))) lines.push_back(line);
+      for (const auto& change : result.report->tracks.at(0).sensor_changes) changes.push_back(change);
+    }
+  }
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].sensor, "sensor of c");
+  EXPECT_EQ(changes[0].verdict, "biased");
+  EXPECT_FALSE(changes[0].undecided);
+  EXPECT_NEAR(changes[0].since.toSec(), 12.0, 0.11);
+  EXPECT_GT(changes[0].noticed, changes[0].since);
+  EXPECT_GT(changes[0].bias[0], 1.0);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("sensor \"sensor of c\" off by"), std::string::npos) << lines[0];
+
+  ASSERT_EQ(result.report->tracks.size(), 1u);
+  const sightline::FusedTrack& fused = result.report->tracks[0];
+  ASSERT_EQ(fused.left_out.size(), 1u);
+  EXPECT_EQ(fused.left_out[0].tracker, "c");
+  EXPECT_EQ(fused.left_out[0].reason.substr(0, 7), "biased:");
+  EXPECT_EQ(fused.sensors.size(), 3u);
+  EXPECT_NEAR(result.tracks->tracks.at(0).azimuth, 0.5, 1e-6) << "the bias is out of the state";
+
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(at(stamp), status);
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(status.message.find("sensor of c: track 1: off by"), std::string::npos) << status.message;
+  EXPECT_NE(valueOf(status, "guard of sensor of c").find("not used"), std::string::npos);
+  EXPECT_EQ(valueOf(status, "guard of sensor of a"), "track 1: healthy");
 }
 
 TEST_F(Component, WarningsOfOneKindComeAtMostEveryFiveSeconds) {

@@ -24,8 +24,8 @@ class ChartedEstimator {
   ~ChartedEstimator() = default;
 
   /// Takes a tracklet, not older than the last one. Moves to a new chart first when the target is expected to
-  /// leave the present one.
-  void update(const Tracklet& tracklet);
+  /// leave the present one. `stamp_variance`: mean square by which its stamp is off [s^2].
+  void update(const Tracklet& tracklet, double stamp_variance = 0.0);
 
   /// Motion expected at `time`, in the tracking frame's angles.
   AngularState stateAt(Time time) const;

@@ -18,8 +18,10 @@
 namespace sightline::core {
 
 /// An estimator that is given tracklets of several sensors in order of time, and watches those sensors: on an
-/// alarm (section 5.1) it goes back to when the change began and on from there as if it had known. Plain
-/// state: what it is depends on what it was given and on nothing else. Copies are independent.
+/// alarm (section 5.1) it goes back to when the change began and on from there as if it had known. As a
+/// sensor that is off pulls the estimate with it and makes the others look wrong, the one is blamed without
+/// which all that was seen since is the likeliest. Plain state: what it is depends on what it was given and
+/// on nothing else. Copies are independent.
 class GuardedEstimator {
  public:
   /// Gives a tracklet that was taken before, so many takes ago; 1 = the last one.
@@ -79,6 +81,11 @@ class GuardedEstimator {
 
   void keepMoment(Time next);
   void watch(const Tracklet& tracklet);
+  void note(const SensorChange& change);
+  std::size_t momentAt(Time time) const;
+  Time rollBackTo(const SensorChange& change) const;
+  bool isToBlame(const SensorChange& change, const Past& past) const;
+  double evidenceAgainst(const std::string& sensor, Time began, const Past& past) const;
   void goBack(const Tracklet& next, const SensorChange& change, const Past& past);
   void restore(const Moment& moment);
   void settle(const Tracklet& tracklet, double noise_scale);

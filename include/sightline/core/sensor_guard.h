@@ -87,6 +87,9 @@ class SensorGuard {
   /// Says when what the sensor's scans told up to `time` changes its verdict.
   std::optional<SensorChange> judge(Time time, const std::string& sensor);
 
+  /// Takes the verdict on the sensor back, as another one turned out to be to blame, and watches it anew.
+  void acquit(Time time, const std::string& sensor);
+
   /// Takes over from `later` what it knows of the sensors whose verdict changed at or after `since`.
   void adopt(const SensorGuard& later, Time since);
 

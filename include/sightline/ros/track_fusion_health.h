@@ -34,6 +34,10 @@ class TrackFusionHealth {
   /// What became of a message of tracklets; `late` of all were too late so far.
   void noteTracklets(const sightline::TrackletArray& local, const std::string& refusal, std::size_t late);
 
+  /// Lines for the log about sensors whose verdict changed with this result, at most one in five seconds of
+  /// `now` for each sensor; recoveries are always said.
+  std::vector<std::string> sensorLines(const FusionResult& result, sightline::core::Time now);
+
   /// Lines to warn with, for what needs the operator's hand and was not complained of lately: at most one in
   /// five seconds of `now` for each kind.
   std::vector<std::string> warnings(sightline::core::Time now);
@@ -57,7 +61,13 @@ class TrackFusionHealth {
     std::optional<sightline::core::Time> last_warning;
   };
 
+  struct Changes {
+    std::uint64_t held_back = 0;  // since the last line
+    std::optional<sightline::core::Time> last_line;
+  };
+
   void complain(const std::string& reason);
+  void noteSensors(const sightline::FusedTrack& track);
   void noteLeftOut(const std::vector<sightline::SourceTrack>& rows);
   void summarize(sightline::core::Time now, diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
@@ -68,6 +78,9 @@ class TrackFusionHealth {
   std::array<std::uint64_t, 3> tracks_{};           // global, by status, in the last report
   std::map<std::string, std::size_t> rules_;        // global tracks by the rule that made them, likewise
   std::map<std::string, std::uint64_t> tracklets_;  // tracklets received, by tracker
+  std::map<std::string, std::string> sensors_;      // words on each, in the last report
+  std::map<std::string, std::string> harmful_;      // of those, the ones that are not healthy
+  std::map<std::string, Changes> changes_;          // by sensor
   std::size_t late_tracklets_ = 0;
   std::string why_not_tracklets_;  // of a track of the last report; empty when there is none
   std::optional<sightline::core::Time> last_diagnosis_;
