@@ -12,14 +12,15 @@ ChartedEstimator::ChartedEstimator(std::unique_ptr<Estimator> estimator, const T
 ChartedEstimator::ChartedEstimator(const ChartedEstimator& other)
     : chart_(other.chart_), estimator_(other.estimator_->clone()) {}
 
-void ChartedEstimator::update(const Tracklet& tracklet, double stamp_variance) {
-  follow(tracklet.time);
+bool ChartedEstimator::update(const Tracklet& tracklet, double stamp_variance) {
+  const bool has_moved = follow(tracklet.time);
   Measurement measurement = measurementOf(tracklet);
   if (stamp_variance > 0.0) {
     const Eigen::Vector2d rates = estimator_->stateAt(tracklet.time)->rates();
     measurement.covariance += stamp_variance * rates * rates.transpose();
   }
   estimator_->update(measurement);
+  return has_moved;
 }
 
 AngularState ChartedEstimator::stateAt(Time time) const {
@@ -33,12 +34,13 @@ Expectation ChartedEstimator::expect(Time time) const {
   return expectation;
 }
 
-void ChartedEstimator::follow(Time time) {
+bool ChartedEstimator::follow(Time time) {
   const Eigen::Vector2d expected = estimator_->stateAt(time)->angles();
-  if (chart_.holds(expected)) return;
+  if (chart_.holds(expected)) return false;
   const Chart next = chart_.following(chart_.directionAt(expected));
   estimator_->rotate(next.R_chart_tracking() * chart_.R_chart_tracking().transpose());
   chart_ = next;
+  return true;
 }
 
 Measurement ChartedEstimator::measurementOf(const Tracklet& tracklet) const {

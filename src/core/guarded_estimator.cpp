@@ -1,6 +1,7 @@
 #include "sightline/core/guarded_estimator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sightline::core {
@@ -10,11 +11,17 @@ constexpr int kMomentsPerRollBack = 8;
 constexpr std::size_t kLeastTaken = 4;    // tracklets that make an estimate a yardstick
 constexpr std::size_t kMostChanges = 64;  // that are remembered
 constexpr std::size_t kMostSeen = 64;     // sensors
+constexpr double kSeenMemory = 0.3;       // share of the newest innovation of a sensor in the running mean
 
 /// Which of the equal parts of time it is in; with `length` 0 each instant is one.
 std::int64_t partOf(Time time, double length) {
   const auto width = durationOf(length).count();
   return width > 0 ? time.time_since_epoch().count() / width : time.time_since_epoch().count();
+}
+
+Eigen::Vector2d innovationOf(const Expectation& expectation, const Tracklet& tracklet) {
+  return angleDifference(expectation.chart.coordinatesOf(tracklet.sighting.direction),
+                         expectation.prediction.angles());
 }
 
 /// A tracklet against what was expected of it, in sigmas of that.
@@ -25,8 +32,7 @@ struct Residual {
 
 Residual residualOf(const ChartedEstimator& estimator, const Tracklet& tracklet) {
   const Expectation expectation = estimator.expect(tracklet.time);
-  const Eigen::Vector2d difference = angleDifference(
-      expectation.chart.coordinatesOf(tracklet.sighting.direction), expectation.prediction.angles());
+  const Eigen::Vector2d difference = innovationOf(expectation, tracklet);
   const Eigen::Array2d variance = expectation.prediction.anglesCovariance().diagonal() +
                                   expectation.chart.covarianceOf(tracklet.sighting).diagonal();
   return {difference.array() / variance.sqrt(), 0.5 * variance.log().sum()};
@@ -91,14 +97,19 @@ void GuardedEstimator::keepMoment(Time next) {
 
 Vouching GuardedEstimator::vouchingFor(const Tracklet& tracklet) const {
   Vouching vouching;
+  std::array<std::array<double, kMostSeen>, 2> innovations;
   for (const Seen& seen : seen_) {
     const double silence = seconds(tracklet.time - seen.last);
     if (seen.sensor == tracklet.sensor) {
       vouching.has_sensor = guard_.sees(silence);
     } else if (guard_.mayVouch(seen.sensor, silence)) {
+      for (int channel = 0; channel < 2; ++channel)
+        innovations[channel][vouching.others] = seen.innovation(channel);
       ++vouching.others;
     }
   }
+  for (int channel = 0; channel < 2; ++channel)
+    vouching.shared(channel) = middleOf(innovations[channel].data(), vouching.others);
   return vouching;
 }
 
@@ -208,12 +219,16 @@ void GuardedEstimator::restore(const Moment& moment) {
 /// Uses the tracklet with that factor on its covariance. A target that nobody else sees is followed with an
 /// excluded sensor all the same.
 void GuardedEstimator::settle(const Tracklet& tracklet, double noise_scale) {
+  if (settings_->guard.enabled) see(tracklet);
   const bool is_excluded = std::isinf(noise_scale) && vouchingFor(tracklet).others > 0;
   if (!is_excluded) {
     Tracklet scaled = tracklet;
     if (std::isfinite(noise_scale) && noise_scale != 1.0) scaled.sighting.covariance *= noise_scale;
     if (estimator_) {
-      estimator_->update(scaled, guard_.clockVariance(tracklet.sensor));
+      const bool has_moved = estimator_->update(scaled, guard_.clockVariance(tracklet.sensor));
+      for (Seen& seen : seen_) {
+        if (has_moved) seen.innovation.setZero();
+      }
     } else {
       estimator_.emplace(makeEstimator(settings_->estimator), scaled);
     }
@@ -222,12 +237,19 @@ void GuardedEstimator::settle(const Tracklet& tracklet, double noise_scale) {
   last_ = tracklet.time;
   if (!settings_->guard.enabled) return;
   scales_.push_back(noise_scale);
+}
+
+/// Notes that the sensor has seen the target, and by how much it was not expected there.
+void GuardedEstimator::see(const Tracklet& tracklet) {
+  Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
+  if (estimator_) innovation = innovationOf(estimator_->expect(tracklet.time), tracklet);
   const auto seen =
       std::find_if(seen_.begin(), seen_.end(), [&](const Seen& it) { return it.sensor == tracklet.sensor; });
   if (seen != seen_.end()) {
     seen->last = tracklet.time;
+    seen->innovation += kSeenMemory * (innovation - seen->innovation);
   } else if (seen_.size() < kMostSeen) {
-    seen_.push_back({tracklet.sensor, tracklet.time});
+    seen_.push_back({tracklet.sensor, tracklet.time, innovation});
   }
 }
 

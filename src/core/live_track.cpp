@@ -23,16 +23,6 @@ bool isUsable(const AngularState& state) {
          Eigen::LLT<Eigen::Matrix4d>(state.covariance).info() == Eigen::Success;
 }
 
-/// The median, and zero where the two in the middle are of different signs: what most agree on. Sorts the
-/// values.
-double middleOf(double* values, int count) {
-  if (count == 0) return 0.0;
-  std::sort(values, values + count);
-  const double a = values[(count - 1) / 2], b = values[count / 2];
-  if (a * b <= 0.0) return 0.0;
-  return 0.5 * (a + b);
-}
-
 }  // namespace
 
 LiveTrack::LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sighting,

@@ -73,6 +73,14 @@ Nearby nearbyOf(const Scan& scan, const std::vector<std::size_t>& stray, const E
 
 }  // namespace
 
+double middleOf(double* values, int count) {
+  if (count == 0) return 0.0;
+  std::sort(values, values + count);
+  const double a = values[(count - 1) / 2], b = values[count / 2];
+  if (a * b <= 0.0) return 0.0;
+  return 0.5 * (a + b);
+}
+
 SensorGuard::SensorGuard(const GuardParams& params) : params_(params) {
   if (!(params.roll_back >= 0.0) || !(params.support > 0.0) || !(params.reach > 0.0) ||
       !(params.clock.memory > 0.0) || !(params.clock.significance > 0.0) || !(params.clock.least >= 0.0)) {

@@ -322,11 +322,13 @@ TEST(TrackletFusion, HarmfulSourceStaysASupporterAndIsNotUsedUntilItRecovers) {
       const FusedTrack& fused = report.tracks.at(0);
       worst = std::max(worst, (fused.track.state.angles() - sinusoid(t)).norm());
       for (const SensorChange& change : fused.sensor_changes) {
+        EXPECT_EQ(change.sensor, "camera b");
         verdicts.insert(change.change.verdict == SensorVerdict::healthy  ? "healthy"
                         : change.change.verdict == SensorVerdict::biased ? "biased"
                                                                          : "noisy");
       }
       for (const SourceTrack& row : fused.left_out) {
+        (row.tracker == "b" && row.reason.substr(0, 7) == "biased:" ? left_out : others_left_out) += 1;
       }
     }
     EXPECT_EQ(verdicts, (std::set<std::string>{is_bias ? "biased" : "noisy", "healthy"}));

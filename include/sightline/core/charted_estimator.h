@@ -25,7 +25,8 @@ class ChartedEstimator {
 
   /// Takes a tracklet, not older than the last one. Moves to a new chart first when the target is expected to
   /// leave the present one. `stamp_variance`: mean square by which its stamp is off [s^2].
-  void update(const Tracklet& tracklet, double stamp_variance = 0.0);
+  /// Returns whether it moved.
+  bool update(const Tracklet& tracklet, double stamp_variance = 0.0);
 
   /// Motion expected at `time`, in the tracking frame's angles.
   AngularState stateAt(Time time) const;
@@ -34,7 +35,7 @@ class ChartedEstimator {
   Expectation expect(Time time) const;
 
  private:
-  void follow(Time time);
+  bool follow(Time time);
   Measurement measurementOf(const Tracklet& tracklet) const;
 
   Chart chart_;

@@ -68,6 +68,7 @@ class GuardedEstimator {
   struct Seen {
     std::string sensor;
     Time last;
+    Eigen::Vector2d innovation = Eigen::Vector2d::Zero();  // mean of the last ones, in the chart [rad]
   };
   /// What it was before a tracklet, without what lies further back.
   struct Moment {
@@ -88,6 +89,7 @@ class GuardedEstimator {
   double evidenceAgainst(const std::string& sensor, Time began, const Past& past) const;
   void goBack(const Tracklet& next, const SensorChange& change, const Past& past);
   void restore(const Moment& moment);
+  void see(const Tracklet& tracklet);
   void settle(const Tracklet& tracklet, double noise_scale);
   Vouching vouchingFor(const Tracklet& tracklet) const;
 

@@ -52,6 +52,10 @@ struct Vouching {
   Eigen::Vector2d shared = Eigen::Vector2d::Zero();  ///< middle of their mean innovations, lately [rad]
 };
 
+/// The median, and zero where the two in the middle are of different signs: what most agree on. Sorts the
+/// values.
+double middleOf(double* values, int count);
+
 /// Watches the sensors of one tracker. Plain state: it is copied with the tracker's state and goes back in
 /// time with it.
 class SensorGuard {
