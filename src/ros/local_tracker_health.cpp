@@ -16,7 +16,9 @@ using diagnostic_msgs::DiagnosticStatus;
 namespace {
 
 constexpr double kSecondsBetweenWarnings = 5.0;
-constexpr double kDefaultSilence = 2.0;  // [s]
+constexpr double kDefaultSilence = 2.0;      // [s]
+constexpr double kRough = 4.0;               // variance over the stated one that deserves a warning ...
+constexpr double kSettledSightings = 100.0;  // ... when it rests on so many sightings
 const char* const kRejectedSightings = "sightings rejected";
 
 /// The first reason that an association gives for rejecting a sighting.
@@ -109,8 +111,14 @@ std::vector<std::string> LocalTrackerHealth::clockLines(const std::vector<core::
 
 void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
                                   diagnostic_updater::DiagnosticStatusWrapper& status,
-                                  const std::vector<core::WatchedSensor>& watched) {
+                                  const std::vector<core::WatchedSensor>& watched,
+                                  const std::vector<core::CalibratedSensor>& calibrated) {
   summarize(now, status);
+  for (const core::CalibratedSensor& sensor : calibrated) {
+    status.add("noise of " + sensor.sensor, wordsOf(sensor));
+    const bool is_rough = sensor.scale > kRough && sensor.sightings >= kSettledSightings;
+    if (is_rough) status.mergeSummary(DiagnosticStatus::WARN, sensor.sensor + ": " + wordsOf(sensor));
+  }
   for (const core::WatchedSensor& sensor : watched) {
     const std::string words = wordsOf(sensor);
     status.add("guard of " + sensor.sensor, words);

@@ -97,7 +97,7 @@ void LocalTrackerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
   const std::vector<sightline::core::WatchedSensor> watched = component_.sensors();
   for (const std::string& line : health_.clockLines(watched))
     ROS_WARN_STREAM(component_.name() << ": " << line);
-  health_.diagnose(clockNow(), component_.waiting(), status, watched);
+  health_.diagnose(clockNow(), component_.waiting(), status, watched, component_.calibratedSensors());
 }
 
 }  // namespace sightline_ros

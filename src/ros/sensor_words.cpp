@@ -56,6 +56,13 @@ std::string wordsOf(const core::SensorChange& change) {
          stampOf(change.change.time) + "): " + consequenceOf(change.change.verdict, change.undecided);
 }
 
+std::string wordsOf(const core::CalibratedSensor& sensor) {
+  std::ostringstream text;
+  text << std::setprecision(2) << std::sqrt(sensor.scale) << " times the stated sigma (from " << std::fixed
+       << std::setprecision(0) << sensor.sightings << " sightings)";
+  return text.str();
+}
+
 std::string clockWordsOf(const core::WatchedSensor& sensor) {
   if (!sensor.clock) return "";
   std::ostringstream text;

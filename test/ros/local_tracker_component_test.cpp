@@ -174,6 +174,25 @@ TEST_F(Component, ASensorThatGoesWrongIsInTheLogAndInTheDiagnosticsUntilItHasRec
   EXPECT_NE(valueOf(after, "guard of eye_0").find("recovered"), std::string::npos);
 }
 
+TEST_F(Component, ASensorThatIsRougherThanItSaysIsWarnedOfAndOneThatIsCalmerIsSaid) {
+  for (const double truth : {0.1, 3.0}) {
+    LocalTrackerComponent component(reader_, "my_tracker", transforms_);
+    std::mt19937_64 random(2);
+    std::normal_distribution<double> normal;
+    LocalTrackerHealth health(2.0);
+    diagnostic_updater::DiagnosticStatusWrapper status;
+    for (int i = 0; i < 1200; ++i) {
+      const auto scan = scanAt(10.0 + 0.03 * i, {0.5 + truth * 1e-3 * normal(random)});
+      scan->sightings[0].elevation = truth * 1e-3 * normal(random);
+      for (const TrackerReport& report : component.onScan(scan, toCore(scan->header.stamp)))
+        health.note(report);
+    }
+    health.diagnose(at(46.0), 0, status, component.sensors(), component.calibratedSensors());
+    EXPECT_NEAR(std::stod(valueOf(status, "noise of eye")), truth, 0.4 * truth);
+    EXPECT_EQ(status.level == diagnostic_msgs::DiagnosticStatus::WARN, truth > 2.0) << status.message;
+  }
+}
+
 TEST_F(Component, AWrongClockIsWarnedOfOnceAndStaysInTheDiagnostics) {
   LocalTrackerHealth health(2.0);
   std::mt19937_64 random(1);

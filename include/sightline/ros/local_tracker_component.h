@@ -55,6 +55,11 @@ class LocalTrackerComponent {
   /// What is thought of each sensor that has been compared with others.
   std::vector<sightline::core::WatchedSensor> sensors() const { return tracker_.sensors(); }
 
+  /// What has been learnt of each sensor's noise.
+  const std::vector<sightline::core::CalibratedSensor>& calibratedSensors() const {
+    return tracker_.calibratedSensors();
+  }
+
   std::size_t waiting() const { return frames_.waiting(); }
   const std::string& name() const { return name_; }
   const std::string& estimator() const { return estimator_; }

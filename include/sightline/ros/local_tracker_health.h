@@ -39,10 +39,12 @@ class LocalTrackerHealth {
   std::vector<std::string> clockLines(const std::vector<sightline::core::WatchedSensor>& watched);
 
   /// Fills a diagnostic status; rates and the level are over the time since the last call. `watched`: what
-  /// the tracker thinks of its sensors; one that is not healthy is a warning.
+  /// the tracker thinks of its sensors; one that is not healthy is a warning. `calibrated`: what it has
+  /// learnt of their noise; one that is much rougher than it states is a warning.
   void diagnose(sightline::core::Time now, std::size_t waiting,
                 diagnostic_updater::DiagnosticStatusWrapper& status,
-                const std::vector<sightline::core::WatchedSensor>& watched = {});
+                const std::vector<sightline::core::WatchedSensor>& watched = {},
+                const std::vector<sightline::core::CalibratedSensor>& calibrated = {});
 
  private:
   struct Sensor {

@@ -2,12 +2,16 @@
 
 #include <string>
 
+#include "sightline/core/noise_calibration.h"
 #include "sightline/core/sensor_guard.h"
 
 namespace sightline_ros {
 
 /// What happened to a sensor, for the log: name, what, how much, since when, and what is done about it.
 std::string wordsOf(const sightline::core::SensorChange& change);
+
+/// What has been learnt of a sensor's noise: "0.12 times the stated sigma (from 300 sightings)".
+std::string wordsOf(const sightline::core::CalibratedSensor& sensor);
 
 /// That the sensor's clock is wrong, by how much and what is done about it; empty when nothing is known of
 /// it.
