@@ -177,9 +177,7 @@ std::vector<Row> rows() {
   estimator.noga.rows = 3;
   add("NOGA paper, 3 rows (heavy tails)", core(estimator), 1.258, 3.543, 1.212, 4.340);
   estimator.noga_form = EstimatorForm::consistent;
-  estimator.noga_consistent.models.resize(6);
-  estimator.noga_consistent.amplitude = 1.0;
-  estimator.noga_consistent.initial_rate_sigma = 2.0;
+  estimator.noga_consistent = bankOfSection43();
   add("NOGA consistent, bank of 4.3", core(estimator), 0.353, 0.384, 0.345, 0.371);
   estimator.noga_consistent = {};
   add("NOGA consistent, default", core(estimator), none, none, none, none);

@@ -73,6 +73,19 @@ double logSum(double a, double b) {
 
 }  // namespace
 
+NogaConsistentParams bankOfSection43() {
+  NogaConsistentParams params;
+  params.models = {
+      {ResponseModel::Kind::straight, 1e-4},     {ResponseModel::Kind::straight, 0.05},
+      {ResponseModel::Kind::straight, 0.7},      {ResponseModel::Kind::harmonic, 1e-3, 1e-2},
+      {ResponseModel::Kind::harmonic, 0.3, 1.0}, {ResponseModel::Kind::fixed_harmonic, 1.0, 0.0, 8.0}};
+  params.amplitude = 1.0;
+  params.initial_rate_sigma = 2.0;
+  params.dwell = 30.0;
+  params.noise.enabled = false;
+  return params;
+}
+
 NogaConsistentEstimator::NogaConsistentEstimator(const NogaConsistentParams& params)
     : params_(params), chain_(attractions(params), params.dwell), noise_learning_(noiseLearning(params)) {}
 

@@ -13,18 +13,6 @@
 namespace sightline::core {
 namespace {
 
-/// The bank of section 4.3, at an amplitude of 1 rad and with the stated noise.
-NogaConsistentParams bankOfSection43() {
-  NogaConsistentParams params;
-  params.models = {{ResponseModel::Kind::straight, 1e-4},           {ResponseModel::Kind::straight, 0.05},
-                   {ResponseModel::Kind::straight, 0.7},            {ResponseModel::Kind::harmonic, 1e-3, 1e-2},
-                   {ResponseModel::Kind::harmonic, 0.3, 1.0},       {ResponseModel::Kind::fixed_harmonic, 1.0, 0.0, 8.0}};
-  params.amplitude = 1.0;
-  params.initial_rate_sigma = 2.0;
-  params.noise.enabled = false;
-  return params;
-}
-
 class GoldenBank : public testing::TestWithParam<const char*> {};
 
 TEST_P(GoldenBank, MatchesTheReferenceVectors) {

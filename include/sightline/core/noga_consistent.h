@@ -19,17 +19,18 @@ struct ResponseModel {
   enum class Kind { straight, harmonic, fixed_harmonic, fading };
   Kind kind = Kind::straight;
   double q = 1.0;  ///< density of white acceleration [rad^2/s^3] (straight) or white jerk [rad^2/s^5], >= 0
-  double q_kappa = 0.0;  ///< density of the drift of kappa [1/s^5] (harmonic), >= 0
-  double kappa = 0.0;    ///< the known kappa [1/s^2] (fixed_harmonic)
-  double fade = 1.0;     ///< time constant of the acceleration [s] (fading), > 0
+  double q_kappa = 0.0;     ///< density of the drift of kappa [1/s^5] (harmonic), >= 0
+  double kappa = 0.0;       ///< the known kappa [1/s^2] (fixed_harmonic)
+  double fade = 1.0;        ///< time constant of the acceleration [s] (fading), > 0
   double attraction = 1.0;  ///< in proportion to which it is probable at first and gone over to, > 0
 };
 
 struct NogaConsistentParams {
-  /// 1 to kMaxModes models, chosen on the scenarios of section 7.1 and on recordings of fireballs and a drone:
-  /// straight flight from dead calm to hard turns at the scale of the sensor; harmonic motion, calm and lively,
-  /// with the seed of fast oscillation (section 4.3); manoeuvres that fade. Harmonic motion attracts, as it pays
-  /// for its parameters late; its seed does not, as two or three sightings may look like an oscillation.
+  /// 1 to kMaxModes models, chosen on the scenarios of section 7.1 and on recordings of fireballs and a
+  /// drone: straight flight from dead calm to hard turns at the scale of the sensor; harmonic motion, calm
+  /// and lively, with the seed of fast oscillation (section 4.3); manoeuvres that fade. Harmonic motion
+  /// attracts, as it pays for its parameters late; its seed does not, as two or three sightings may look like
+  /// an oscillation.
   std::vector<ResponseModel> models = {{ResponseModel::Kind::straight, 1e-4},
                                        {ResponseModel::Kind::straight, 0.01},
                                        {ResponseModel::Kind::straight, 0.05},
@@ -50,6 +51,10 @@ struct NogaConsistentParams {
   double outlier_width = 4.0;       ///< over which they lie, in amplitudes, > 0
   NoiseLearningParams noise;        ///< what the sightings' noise really is
 };
+
+/// The settings of section 4.3 to the letter: six models for an amplitude of 1 rad, the sightings' noise as
+/// stated.
+NogaConsistentParams bankOfSection43();
 
 /// NOGA, form `consistent` (section 4.3): the uncertainty reduction (20)-(23) run as a recursion, with the
 /// process noise and the coefficient of the auto-regression among the parameters, in a bank of interacting
