@@ -148,9 +148,13 @@ NogaConsistentEstimator::Beliefs NogaConsistentEstimator::expected(double h) con
     if (model.kind == ResponseModel::Kind::straight) {
       blend<2>(own(mode), beliefs_[mode], all, ahead[mode]);
       stepStraight(ahead[mode], model, h);
+      continue;
+    }
+    blend<4>(own(mode), beliefs_[mode], all, ahead[mode]);
+    if (model.kind == ResponseModel::Kind::harmonic) {
+      stepHarmonic(ahead[mode], model, h);
     } else {
-      blend<4>(own(mode), beliefs_[mode], all, ahead[mode]);
-      step(ahead[mode], model, h);
+      stepLinear(ahead[mode], model, h);
     }
   }
   return ahead;
@@ -224,33 +228,35 @@ void NogaConsistentEstimator::stepStraight(Belief& belief, const ResponseModel& 
   }
 }
 
-void NogaConsistentEstimator::step(Belief& belief, const ResponseModel& model, double h) const {
-  // All but the harmonic motion with its unknown kappa are linear, and alike in both channels.
-  Transition transition;
-  if (model.kind == ResponseModel::Kind::fixed_harmonic)
-    transition = fixedHarmonicStep(Eigen::Vector4d::Zero(), h, 1.0, model.kappa, kFixedKappaSigma);
-  if (model.kind == ResponseModel::Kind::fading)
-    transition = fadingStep(Eigen::Vector4d::Zero(), h, 1.0, model.fade, kUnusedSigma);
-
+/// The unknown kappa makes the motion of each channel another one.
+void NogaConsistentEstimator::stepHarmonic(Belief& belief, const ResponseModel& model, double h) const {
   Eigen::Matrix4d F[2];
   for (int channel = 0; channel < 2; ++channel) {
-    const double unit = amplitude(channel, belief.noise(channel)), q = model.q * unit * unit;
-    Eigen::Vector4d& x = belief.mean[channel];
+    const double unit = amplitude(channel, belief.noise(channel));
     Eigen::Matrix4d& P = belief.covariance[channel];
-    Eigen::Matrix4d Q;
-    if (model.kind == ResponseModel::Kind::harmonic) {
-      transition = harmonicStep(x, h, q, model.q_kappa);
-      x = transition.mean;
-      Q = transition.Q;
-    } else {
-      x = transition.F * x + transition.mean;
-      Q = transition.Q;
-      Q.topLeftCorner<3, 3>() *= q;
-    }
-    F[channel] = transition.F;
-    P = symmetric(F[channel] * P * F[channel].transpose() + Q);
+    const Transition step = harmonicStep(belief.mean[channel], h, model.q * unit * unit, model.q_kappa);
+    belief.mean[channel] = step.mean;
+    F[channel] = step.F;
+    P = symmetric(step.F * P * step.F.transpose() + step.Q);
   }
   if (coupled_) belief.cross = F[0] * belief.cross * F[1].transpose();
+}
+
+/// Motions that are linear, and alike in both channels.
+void NogaConsistentEstimator::stepLinear(Belief& belief, const ResponseModel& model, double h) const {
+  const Eigen::Vector4d origin = Eigen::Vector4d::Zero();
+  const Transition step = model.kind == ResponseModel::Kind::fading
+                              ? fadingStep(origin, h, 1.0, model.fade, kUnusedSigma)
+                              : fixedHarmonicStep(origin, h, 1.0, model.kappa, kFixedKappaSigma);
+  for (int channel = 0; channel < 2; ++channel) {
+    const double unit = amplitude(channel, belief.noise(channel));
+    Eigen::Matrix4d& P = belief.covariance[channel];
+    Eigen::Matrix4d Q = step.Q;
+    Q.topLeftCorner<3, 3>() *= model.q * unit * unit;
+    belief.mean[channel] = step.F * belief.mean[channel] + step.mean;
+    P = symmetric(step.F * P * step.F.transpose() + Q);
+  }
+  if (coupled_) belief.cross = step.F * belief.cross * step.F.transpose();
 }
 
 /// The reduction (20)-(23) with the sighting; returns the log likelihood of the model.

@@ -101,7 +101,8 @@ class NogaConsistentEstimator final : public Estimator {
   template <int N>
   void blend(double share, const Belief& own, const Belief& other, Belief& mixed) const;
   void stepStraight(Belief& belief, const ResponseModel& model, double h) const;
-  void step(Belief& belief, const ResponseModel& model, double h) const;
+  void stepHarmonic(Belief& belief, const ResponseModel& model, double h) const;
+  void stepLinear(Belief& belief, const ResponseModel& model, double h) const;
   double reduce(Belief& belief, const Measurement& measurement, bool is_straight) const;
   template <int N>
   double reduceChannel(Belief& belief, int channel, double position, double variance,
