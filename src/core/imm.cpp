@@ -36,8 +36,13 @@ void forgetAcceleration(Motion<6>& motion) {
 
 }  // namespace
 
+std::vector<ImmModel> defaultImmModels() {
+  return {{1, {0.0, 1.0}}, {1, {0.0, 100.0}}, {2, {0.0, 100.0}}, {2, {0.0, 1e4}}};
+}
+
 ImmEstimator::ImmEstimator(const ImmParams& params)
-    : params_(params), chain_(ModeArray::Ones(static_cast<Eigen::Index>(params.models.size())), params.dwell) {
+    : params_(params),
+      chain_(ModeArray::Ones(static_cast<Eigen::Index>(params.models.size())), params.dwell) {
   check(params);
 }
 

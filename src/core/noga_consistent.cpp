@@ -73,6 +73,21 @@ double logSum(double a, double b) {
 
 }  // namespace
 
+std::vector<ResponseModel> defaultResponseModels() {
+  return {{ResponseModel::Kind::straight, 1e-4},
+          {ResponseModel::Kind::straight, 0.01},
+          {ResponseModel::Kind::straight, 0.05},
+          {ResponseModel::Kind::straight, 0.25},
+          {ResponseModel::Kind::straight, 1.25},
+          {ResponseModel::Kind::straight, 30.0, 0.0, 0.0, 1.0, 0.2},
+          {ResponseModel::Kind::harmonic, 1e-3, 1e-2, 0.0, 1.0, 4.0},
+          {ResponseModel::Kind::harmonic, 0.3, 1.0, 0.0, 1.0, 0.3},
+          {ResponseModel::Kind::fixed_harmonic, 1.0, 0.0, 8.0, 1.0, 0.05},
+          {ResponseModel::Kind::fading, 0.3, 0.0, 0.0, 2.0},
+          {ResponseModel::Kind::fading, 10.0, 0.0, 0.0, 2.0},
+          {ResponseModel::Kind::fading, 1000.0, 0.0, 0.0, 2.0, 0.5}};
+}
+
 NogaConsistentParams bankOfSection43() {
   NogaConsistentParams params;
   params.models = {

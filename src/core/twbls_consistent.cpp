@@ -40,6 +40,11 @@ Motion<4> throughTwo(const Measurement& first, const Measurement& second, double
 
 }  // namespace
 
+std::vector<ProcessNoise> defaultAccelerations() {
+  return {{0.0, 0.01},  {0.0, 1.0},   {0.0, 4.0}, {0.0, 12.0}, {0.0, 36.0},
+          {0.0, 110.0}, {0.0, 330.0}, {0.0, 3e3}, {0.0, 1e5}};
+}
+
 TwblsConsistentEstimator::TwblsConsistentEstimator(const TwblsConsistentParams& params)
     : params_(params),
       noise_learning_(params.noise),

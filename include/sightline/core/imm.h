@@ -18,10 +18,13 @@ struct ImmModel {
   ProcessNoise noise;  ///< of the acceleration (order 1) or of the jerk (order 2); density or ratio > 0
 };
 
+/// The default bank, free of the angular scale.
+std::vector<ImmModel> defaultImmModels();
+
 struct ImmParams {
   /// 1 to kMaxModes. The default bank is free of the angular scale: straight flight, manoeuvre, curve, hard
   /// curve.
-  std::vector<ImmModel> models = {{1, {0.0, 1.0}}, {1, {0.0, 100.0}}, {2, {0.0, 100.0}}, {2, {0.0, 1e4}}};
+  std::vector<ImmModel> models = defaultImmModels();
   double dwell = 3.0;                       ///< mean time between changes of the model [s], > 0
   double initial_rate_sigma = 0.3;          ///< of each rate before the second sighting [rad/s], > 0
   double initial_acceleration_sigma = 1.0;  ///< of each acceleration before the third sighting [rad/s^2], > 0

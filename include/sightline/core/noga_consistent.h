@@ -25,24 +25,16 @@ struct ResponseModel {
   double attraction = 1.0;  ///< in proportion to which it is probable at first and gone over to, > 0
 };
 
+/// The default bank, free of scale.
+std::vector<ResponseModel> defaultResponseModels();
+
 struct NogaConsistentParams {
   /// 1 to kMaxModes models, chosen on the scenarios of section 7.1 and on recordings of fireballs and a
   /// drone: straight flight from dead calm to hard turns at the scale of the sensor; harmonic motion, calm
   /// and lively, with the seed of fast oscillation (section 4.3); manoeuvres that fade. Harmonic motion
   /// attracts, as it pays for its parameters late; its seed does not, as two or three sightings may look like
   /// an oscillation.
-  std::vector<ResponseModel> models = {{ResponseModel::Kind::straight, 1e-4},
-                                       {ResponseModel::Kind::straight, 0.01},
-                                       {ResponseModel::Kind::straight, 0.05},
-                                       {ResponseModel::Kind::straight, 0.25},
-                                       {ResponseModel::Kind::straight, 1.25},
-                                       {ResponseModel::Kind::straight, 30.0, 0.0, 0.0, 1.0, 0.2},
-                                       {ResponseModel::Kind::harmonic, 1e-3, 1e-2, 0.0, 1.0, 4.0},
-                                       {ResponseModel::Kind::harmonic, 0.3, 1.0, 0.0, 1.0, 0.3},
-                                       {ResponseModel::Kind::fixed_harmonic, 1.0, 0.0, 8.0, 1.0, 0.05},
-                                       {ResponseModel::Kind::fading, 0.3, 0.0, 0.0, 2.0},
-                                       {ResponseModel::Kind::fading, 10.0, 0.0, 0.0, 2.0},
-                                       {ResponseModel::Kind::fading, 1000.0, 0.0, 0.0, 2.0, 0.5}};
+  std::vector<ResponseModel> models = defaultResponseModels();
   double amplitude =
       0.0;  ///< that 1 rad of the bank stands for [rad]; 0 = ten sigmas of the sightings: free of scale
   double initial_rate_sigma = 0.3;  ///< of each rate before the second sighting [rad/s], > 0

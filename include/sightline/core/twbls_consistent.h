@@ -12,12 +12,12 @@
 
 namespace sightline::core {
 
+/// The default bank, free of scale: from straight flight to a drone before a consumer camera.
+std::vector<ProcessNoise> defaultAccelerations();
+
 struct TwblsConsistentParams {
-  /// White accelerations that are tried, 1 to kMaxModes; density or ratio > 0 each. The default is free of
-  /// scale: from straight flight to a drone before a consumer camera.
-  std::vector<ProcessNoise> process_noises = {{0.0, 0.01},  {0.0, 1.0},  {0.0, 4.0},
-                                              {0.0, 12.0},  {0.0, 36.0}, {0.0, 110.0},
-                                              {0.0, 330.0}, {0.0, 3e3},  {0.0, 1e5}};
+  /// White accelerations that are tried, 1 to kMaxModes; density or ratio > 0 each.
+  std::vector<ProcessNoise> process_noises = defaultAccelerations();
   /// The window reaches back over at least so many sightings, >= 3, and at least `min_span` [s] >= 0. It
   /// grows to twice that before the older half is let go, so that a sighting costs the same however long it
   /// is; `exact_window` keeps it at max_sightings by fitting the window anew at each sighting.
