@@ -78,7 +78,9 @@ TEST(Scenarios, DropoutAndOutliersAreWhereTheyBelong) {
     const Stream stream = simulate(scenarioOf("outlier"), {{0.08}}, run);
     for (std::size_t k = 0; k < stream.size(); ++k) {
       outliers += stream[k].outlier;
-      if (k < 3) EXPECT_FALSE(stream[k].outlier);
+      if (k < 3) {
+        EXPECT_FALSE(stream[k].outlier);
+      }
     }
     sightings += static_cast<int>(stream.size()) - 3;
   }
