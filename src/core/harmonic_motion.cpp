@@ -143,21 +143,6 @@ Transition fixedHarmonicStep(const Eigen::Vector4d& state, double h, double q, d
   return step;
 }
 
-Transition straightStep(const Eigen::Vector4d& state, double h, double q, double acceleration_sigma,
-                        double kappa_sigma) {
-  Transition step;
-  step.F.setZero();
-  step.F.topLeftCorner<2, 2>() << 1.0, h, 0.0, 1.0;
-  step.mean = step.F * state;
-  step.Q.setZero();
-  const double age = std::abs(h);
-  step.Q.topLeftCorner<2, 2>() << age * age * age / 3.0, h * age / 2.0, h * age / 2.0, age;
-  step.Q *= q;
-  step.Q(2, 2) = acceleration_sigma * acceleration_sigma;
-  step.Q(3, 3) = kappa_sigma * kappa_sigma;
-  return step;
-}
-
 Transition fadingStep(const Eigen::Vector4d& state, double h, double q, double tau, double kappa_sigma) {
   const double age = std::abs(h), faded = -std::expm1(-age / tau);
   const double sign = h < 0.0 ? -1.0 : 1.0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -16,7 +17,8 @@ class Heard {
       : subscriber_(nh.subscribe(topic, 10000, &Heard::take, this, ros::TransportHints().tcpNoDelay())) {}
 
   const std::vector<Message>& messages() const { return messages_; }
-  bool isConnected() const { return subscriber_.getNumPublishers() > 0; }
+  std::uint32_t publishers() const { return subscriber_.getNumPublishers(); }
+  bool isConnected() const { return publishers() > 0; }
   void forget() { messages_.clear(); }
 
  private:
@@ -26,16 +28,17 @@ class Heard {
   ros::Subscriber subscriber_;
 };
 
-/// Serves callbacks until the condition holds, doing something about it meanwhile; false when it does not
-/// within kPatience.
+/// Serves callbacks until the condition holds, doing something about it every `pace` meanwhile; false when it
+/// does not within kPatience.
 inline bool eventually(
-    const std::function<bool()>& condition, const std::function<void()>& meanwhile = [] {}) {
+    const std::function<bool()>& condition, const std::function<void()>& meanwhile = [] {},
+    ros::WallDuration pace = ros::WallDuration(0.002)) {
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
   while (ros::ok() && ros::WallTime::now() < end) {
     ros::spinOnce();
     if (condition()) return true;
     meanwhile();
-    ros::WallDuration(0.002).sleep();
+    pace.sleep();
   }
   return condition();
 }

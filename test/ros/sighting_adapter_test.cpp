@@ -24,38 +24,11 @@
 #include "sightline/ros/pixel_rays.h"
 #include "sightline/ros/transform_subscriber.h"
 
+#include "heard.h"
+
 namespace {
 
-constexpr double kPatience = 30.0;  // [s], for what takes milliseconds on an idle machine
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
-/// Keeps everything that was said on a topic.
-template <typename Message>
-class Heard {
- public:
-  Heard(ros::NodeHandle& nh, const std::string& topic)
-      : subscriber_(nh.subscribe(topic, 10000, &Heard::take, this)) {}
-
-  const std::vector<Message>& messages() const { return messages_; }
-  std::uint32_t publishers() const { return subscriber_.getNumPublishers(); }
-
- private:
-  void take(const boost::shared_ptr<const Message>& message) { messages_.push_back(*message); }
-
-  std::vector<Message> messages_;
-  ros::Subscriber subscriber_;
-};
-
-/// Serves callbacks until the condition holds; false when it does not within kPatience.
-bool eventually(const std::function<bool()>& condition) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
-  while (ros::ok() && ros::WallTime::now() < end) {
-    ros::spinOnce();
-    if (condition()) return true;
-    ros::WallDuration(0.002).sleep();
-  }
-  return condition();
-}
 
 class SightingAdapter : public testing::Test {
  protected:

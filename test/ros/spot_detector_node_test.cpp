@@ -17,37 +17,12 @@
 #include "sightline/core/random_stream.h"
 #include "sightline/ros/pixel_rays.h"
 
+#include "heard.h"
+
 namespace {
 
-constexpr double kPatience = 30.0;  // [s], for what takes milliseconds on an idle machine
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr unsigned kWidth = 320, kHeight = 256;  // [px]
-
-template <typename Message>
-class Heard {
- public:
-  Heard(ros::NodeHandle& nh, const std::string& topic)
-      : subscriber_(nh.subscribe(topic, 10000, &Heard::take, this)) {}
-
-  const std::vector<Message>& messages() const { return messages_; }
-  bool isConnected() const { return subscriber_.getNumPublishers() > 0; }
-
- private:
-  void take(const boost::shared_ptr<const Message>& message) { messages_.push_back(*message); }
-
-  std::vector<Message> messages_;
-  ros::Subscriber subscriber_;
-};
-
-bool eventually(const std::function<bool()>& condition) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
-  while (ros::ok() && ros::WallTime::now() < end) {
-    ros::spinOnce();
-    if (condition()) return true;
-    ros::WallDuration(0.002).sleep();
-  }
-  return condition();
-}
 
 class SpotDetectorNode : public testing::Test {
  protected:

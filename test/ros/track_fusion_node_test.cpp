@@ -17,9 +17,9 @@
 #include <sightline/TrackArray.h>
 #include <sightline/TrackletArray.h>
 
-namespace {
+#include "heard.h"
 
-constexpr double kPatience = 30.0;  // [s], for what takes milliseconds on an idle machine
+namespace {
 
 /// Keeps the last message of a topic.
 template <typename Message>
@@ -66,18 +66,10 @@ class TrackFusionNode : public testing::Test {
     })) << "the nodes did not come up";
   }
 
-  /// Serves callbacks until the condition holds, doing something about it meanwhile; false when it never
-  /// does.
+  /// At a pace at which what is said meanwhile looks like a tracker's reports.
   static bool eventually(
       const std::function<bool()>& condition, const std::function<void()>& meanwhile = [] {}) {
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
-    while (ros::ok() && ros::WallTime::now() < end) {
-      ros::spinOnce();
-      if (condition()) return true;
-      meanwhile();
-      ros::WallDuration(0.02).sleep();
-    }
-    return condition();
+    return ::eventually(condition, meanwhile, ros::WallDuration(0.02));
   }
 
   void speakBoth() {

@@ -31,13 +31,8 @@ Transition harmonicStep(const Eigen::Vector4d& state, double h, double q, double
 Transition fixedHarmonicStep(const Eigen::Vector4d& state, double h, double q, double kappa,
                              double kappa_sigma);
 
-/// Straight motion with white acceleration of density `q` [rad^2/s^3]; acceleration and kappa, of which it
-/// knows nothing, become N(0, sigma^2) each.
-Transition straightStep(const Eigen::Vector4d& state, double h, double q, double acceleration_sigma,
-                        double kappa_sigma);
-
-/// Motion whose acceleration fades with the time constant `tau` [s] > 0 and is renewed by white jerk of density
-/// `q` [rad^2/s^5] (Singer's model): a manoeuvre that will not last. Of kappa it knows nothing: N(0,
+/// Motion whose acceleration fades with the time constant `tau` [s] > 0 and is renewed by white jerk of
+/// density `q` [rad^2/s^5] (Singer's model): a manoeuvre that will not last. Of kappa it knows nothing: N(0,
 /// kappa_sigma^2).
 Transition fadingStep(const Eigen::Vector4d& state, double h, double q, double tau, double kappa_sigma);
 
