@@ -116,6 +116,7 @@ SimulatedScan SensorSimulator::scanAt(Duration since_start) {
   scan.ifov = sensor_.ifov;
   scan.detection_probability = sensor_.detection_probability;
   scan.clutter_density = sensor_.clutter_density;
+  scan.view = viewOf(sensor_);
   addTargets(simulated, seconds(since_start));
   addClutter(simulated);
   sortByAzimuth(simulated);

@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMostFalseSightings = 1e4;  // in a scan
-constexpr double kRim = 1e-12;               // [rad]: rounding of a direction on the rim
 
 bool within(double value, double low, double high) {
   return value >= low && value <= high;
@@ -74,14 +73,16 @@ Eigen::Matrix3d R_platform_sensor(const SimulatedSensor& sensor) {
   return rotationOf(sensor.mount_attitude);
 }
 
+FieldOfView viewOf(const SimulatedSensor& sensor) {
+  return {Eigen::Matrix3d::Identity(), sensor.field_of_view};
+}
+
 bool inView(const SimulatedSensor& sensor, const Eigen::Vector3d& direction_sensor) {
-  const Eigen::Vector2d off_boresight = anglesOf(direction_sensor).cwiseAbs();
-  return off_boresight.x() <= sensor.field_of_view.x() + kRim &&
-         off_boresight.y() <= sensor.field_of_view.y() + kRim;
+  return viewOf(sensor).holds(direction_sensor);
 }
 
 double solidAngle(const SimulatedSensor& sensor) {
-  return 4.0 * sensor.field_of_view.x() * std::sin(sensor.field_of_view.y());
+  return viewOf(sensor).solidAngle();
 }
 
 Eigen::Vector2d statedSigma(const SimulatedSensor& sensor, const Eigen::Vector2d& angles_sensor) {

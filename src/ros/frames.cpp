@@ -17,6 +17,8 @@ namespace core = sightline::core;
 
 namespace {
 
+constexpr double kPi = 3.14159265358979323846;
+
 using Complaint = std::pair<std::string, std::string>;
 
 bool isKnown(double value) {
@@ -71,6 +73,21 @@ void dropIfNothingIsLeft(FramedScan& framed) {
       "all its sightings are rejected, the first because its " + framed.rejections.front().second;
 }
 
+/// Half widths in azimuth and elevation [rad], by sensor.
+std::map<std::string, Eigen::Vector2d> loadFieldsOfView(const ParamReader& reader) {
+  std::map<std::string, Eigen::Vector2d> fields;
+  for (const std::string& sensor : reader.keys()) {
+    const std::vector<double> widths = reader.requiredNumbers(sensor, Range{0.0, kPi, true, false}, "rad");
+    if (widths.size() != 2 || widths[1] > kPi / 2.0) {
+      throw reader.error(sensor,
+                         "expected two half widths [rad], of the azimuth in (0, pi] and of the elevation in "
+                         "(0, pi/2]; for degrees write [deg(20), deg(15)]");
+    }
+    fields[sensor] = {widths[0], widths[1]};
+  }
+  return fields;
+}
+
 }  // namespace
 
 FrameChangeParams loadFrameChangeParams(const ParamReader& reader, FrameChangeParams params) {
@@ -78,6 +95,8 @@ FrameChangeParams loadFrameChangeParams(const ParamReader& reader, FrameChangePa
   params.tf_timeout = reader.number("tf_timeout", params.tf_timeout, atLeast(0.0), "s");
   params.max_future = reader.number("max_future", params.max_future, atLeast(0.0), "s");
   params.max_waiting = reader.integer("max_waiting", params.max_waiting, 1, 1000000);
+  for (const auto& [sensor, half_widths] : loadFieldsOfView(reader.sub("fields_of_view")))
+    params.fields_of_view[sensor] = half_widths;
   if (params.tracking_frame.empty() || params.tracking_frame.front() == '/') {
     throw reader.error("tracking_frame", "expected a frame name without leading slash, got the string \"" +
                                              params.tracking_frame + "\"");
@@ -199,9 +218,20 @@ FramedScan FrameChange::inTrackingFrame(const sightline::SightingArray::ConstPtr
   framed.scan.ifov = message->ifov;
   framed.scan.detection_probability = message->detection_probability;
   framed.scan.clutter_density = message->clutter_density;
+  framed.scan.view = viewOf(message->sensor, R_tracking_sensor);
   takeSightings(R_tracking_sensor, framed);
   dropIfNothingIsLeft(framed);
   return framed;
+}
+
+std::optional<core::FieldOfView> FrameChange::viewOf(
+    const std::string& sensor, const std::optional<Eigen::Matrix3d>& R_tracking_sensor) const {
+  const auto field = params_.fields_of_view.find(sensor);
+  if (field == params_.fields_of_view.end()) return std::nullopt;
+  core::FieldOfView view;
+  if (R_tracking_sensor) view.R_sensor_tracking = R_tracking_sensor->transpose();
+  view.half_widths = field->second;
+  return view;
 }
 
 FramedScan FrameChange::withoutTransform(const Waiting& scan, core::Time now) const {

@@ -121,6 +121,38 @@ TEST_F(Frames, CovarianceTurnsWithTheDirection) {
   EXPECT_NEAR(covariance(1, 1), 4e-6, 1e-12);
 }
 
+TEST_F(Frames, FieldOfViewTurnsWithTheScanAtItsStamp) {
+  params_.fields_of_view["eye"] = {0.3, 0.2};
+  setYaw(buffer_, 10.0, "eye_frame", 0.0);
+  setYaw(buffer_, 11.0, "eye_frame", 1.0);
+  const auto framed = resultOf(scanAt(10.75, "eye_frame"));
+  ASSERT_TRUE(framed.scan.view);
+  EXPECT_TRUE(framed.scan.view->holds(core::directionOf({0.75 + 0.29, 0.19})));
+  EXPECT_FALSE(framed.scan.view->holds(core::directionOf({0.75 + 0.31, 0.0})));
+  EXPECT_FALSE(framed.scan.view->holds(core::directionOf({0.75 - 0.31, 0.0})));
+  EXPECT_FALSE(framed.scan.view->holds(core::directionOf({0.75, 0.21})));
+}
+
+TEST_F(Frames, FieldOfViewOfAScanInTheTrackingFrameIsNotTurned) {
+  params_.fields_of_view["eye"] = {0.3, 0.2};
+  const auto framed = resultOf(scanAt(10.0, "platform_enu"));
+  ASSERT_TRUE(framed.scan.view);
+  EXPECT_TRUE(framed.scan.view->R_sensor_tracking.isIdentity(0.0));
+  EXPECT_EQ(framed.scan.view->half_widths, Eigen::Vector2d(0.3, 0.2));
+}
+
+TEST_F(Frames, EmptyScanHasItsFieldOfViewToo) {
+  params_.fields_of_view["eye"] = {0.3, 0.2};
+  auto scan = scanAt(10.0, "platform_enu");
+  scan.sightings.clear();
+  EXPECT_TRUE(resultOf(scan).scan.view);
+}
+
+TEST_F(Frames, FieldOfViewIsNotKnownUnlessItIsGivenForThatSensor) {
+  params_.fields_of_view["other_eye"] = {0.3, 0.2};
+  EXPECT_FALSE(resultOf(scanAt(10.0, "platform_enu")).scan.view);
+}
+
 TEST_F(Frames, ScanWaitsForItsTransformAndGoesOnAsSoonAsItIsThere) {
   params_.tf_timeout = 1.0;
   frames().add(shared(scanAt(10.0, "eye_frame")), at(10.0));

@@ -108,4 +108,26 @@ TEST(TrackerParams, FrameNamesAreChecked) {
   EXPECT_THROW(load("max_waiting: 0"), ParamError);
 }
 
+TEST(TrackerParams, FieldsOfViewAreReadBySensor) {
+  const ScratchFolder folder;
+  const auto load = [&](const std::string& yaml) {
+    const ParamReader reader = ParamReader::fromYaml(folder.write("params.yaml", yaml));
+    const auto fields = sightline_ros::loadFrameChangeParams(reader).fields_of_view;
+    reader.finish();
+    return fields;
+  };
+  EXPECT_TRUE(load("fields_of_view: {}").empty());
+  const auto fields = load("fields_of_view: {left: [deg(90), 0.4], right: [0.5, 1]}");
+  ASSERT_EQ(fields.size(), 2u);
+  EXPECT_NEAR(fields.at("left").x(), 1.5707963, 1e-6);
+  EXPECT_EQ(fields.at("left").y(), 0.4);
+  EXPECT_EQ(fields.at("right"), Eigen::Vector2d(0.5, 1.0));
+  for (const char* wrong : {"fields_of_view: [0.5, 0.4]", "fields_of_view: {left: 0.5}",
+                            "fields_of_view: {left: [0.5]}", "fields_of_view: {left: [0.5, 0.4, 0.3]}",
+                            "fields_of_view: {left: [20, 15]}", "fields_of_view: {left: [0.5, 1.6]}",
+                            "fields_of_view: {left: [0.0, 0.4]}", "fields_of_view: {left: []}"}) {
+    EXPECT_THROW(load(wrong), ParamError) << wrong;
+  }
+}
+
 }  // namespace

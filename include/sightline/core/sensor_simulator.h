@@ -15,8 +15,8 @@ namespace sightline::core {
 
 /// A scan, when it leaves the sensor, and what only a simulator knows of it.
 struct SimulatedScan {
-  Scan scan;                           ///< sightings in the sensor's frame, in ascending azimuth
-  Time publish_time{};                 ///< exposure and latency; never before that of the scan before
+  Scan scan;            ///< sightings (in ascending azimuth) and view are in the sensor's frame
+  Time publish_time{};  ///< exposure and latency; never before that of the scan before
   std::vector<std::uint32_t> origins;  ///< the target of each sighting, 0 = clutter
 };
 

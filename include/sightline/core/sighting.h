@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "sightline/core/field_of_view.h"
 #include "sightline/core/time.h"
 
 namespace sightline::core {
@@ -26,7 +27,8 @@ struct Scan {
   double ifov = std::numeric_limits<double>::quiet_NaN();  ///< angle of one detector element [rad]
   double detection_probability = std::numeric_limits<double>::quiet_NaN();  ///< NaN = the tracker's parameter
   double clutter_density = std::numeric_limits<double>::quiet_NaN();        ///< [1/sr], NaN = the tracker's
-  double noise_scale = 1.0;  ///< factor on the stated variances that `sightings` have in them already
+  double noise_scale = 1.0;         ///< factor on the stated variances that `sightings` have in them already
+  std::optional<FieldOfView> view;  ///< what the sensor looked at; nullopt = not known
   std::vector<Sighting> sightings;
 };
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "sightline/core/field_of_view.h"
 #include "sightline/core/platform_motion.h"
 #include "sightline/core/sighting_sequence.h"
 
@@ -57,6 +58,9 @@ struct SimulatedSensor {
 
 /// Maps the sensor's frame to the platform's.
 Eigen::Matrix3d R_platform_sensor(const SimulatedSensor& sensor);
+
+/// What the sensor looks at, in its own frame.
+FieldOfView viewOf(const SimulatedSensor& sensor);
 
 /// Whether a direction (sensor's frame) lies in the field of view; the rim belongs to it.
 bool inView(const SimulatedSensor& sensor, const Eigen::Vector3d& direction_sensor);

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include <sightline/SightingArray.h>
 #include <tf2/buffer_core.h>
 
@@ -23,9 +25,13 @@ struct FrameChangeParams {
   double tf_timeout = 0.5;                      ///< how long a scan waits for its transform [s], >= 0
   double max_future = 0.1;                      ///< by how much a stamp may be ahead of the clock [s], >= 0
   int max_waiting = 1000;                       ///< scans that wait at once, over all sensors, >= 1
+
+  /// Half widths of the fields of view in azimuth (0, pi] and elevation (0, pi/2] of the frame of its scans
+  /// [rad], by sensor. Of a sensor that is not there it is not known where it looks.
+  std::map<std::string, Eigen::Vector2d> fields_of_view;
 };
 
-/// Reads tracking_frame, tf_timeout, max_future and max_waiting of this level.
+/// Reads tracking_frame, tf_timeout, max_future, max_waiting and fields_of_view of this level.
 FrameChangeParams loadFrameChangeParams(const ParamReader& reader, FrameChangeParams defaults = {});
 
 /// A scan message, and what can be said of it.
@@ -66,6 +72,8 @@ class FrameChange {
   };
 
   bool isHere(const sightline::SightingArray& message) const;
+  std::optional<sightline::core::FieldOfView> viewOf(
+      const std::string& sensor, const std::optional<Eigen::Matrix3d>& R_tracking_sensor) const;
   bool hasWaitedEnough(Waiting& scan, sightline::core::Time now) const;
   FramedScan inTrackingFrame(const sightline::SightingArray::ConstPtr& message) const;
   FramedScan withoutTransform(const Waiting& scan, sightline::core::Time now) const;
