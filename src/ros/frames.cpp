@@ -18,6 +18,7 @@ namespace core = sightline::core;
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kRateStep = 0.01;  // over which the rate of turn is measured [s]
 
 using Complaint = std::pair<std::string, std::string>;
 
@@ -46,8 +47,14 @@ core::Sighting unusableSighting() {
   return sighting;
 }
 
-/// Fills the scan with the message's sightings, turned by R_tracking_sensor where that is not the identity.
-void takeSightings(const std::optional<Eigen::Matrix3d>& R_tracking_sensor, FramedScan& framed) {
+core::Sighting turned(const core::Sighting& sighting, const Turn& turn) {
+  return core::rotate(
+      turn.attitude_covariance ? core::withAttitude(sighting, *turn.attitude_covariance) : sighting,
+      turn.R_tracking_sensor);
+}
+
+/// Fills the scan with the message's sightings, turned where it is not in the tracking frame already.
+void takeSightings(const std::optional<Turn>& turn, FramedScan& framed) {
   const auto& sightings = framed.message->sightings;
   framed.scan.sightings.reserve(sightings.size());
   for (std::size_t i = 0; i < sightings.size(); ++i) {
@@ -60,8 +67,7 @@ void takeSightings(const std::optional<Eigen::Matrix3d>& R_tracking_sensor, Fram
       continue;
     }
     const core::Sighting sighting = core::sightingOf(angles, covariance, sightings[i].snr);
-    framed.scan.sightings.push_back(R_tracking_sensor ? core::rotate(sighting, *R_tracking_sensor)
-                                                      : sighting);
+    framed.scan.sightings.push_back(turn ? turned(sighting, *turn) : sighting);
   }
 }
 
@@ -88,6 +94,20 @@ std::map<std::string, Eigen::Vector2d> loadFieldsOfView(const ParamReader& reade
   return fields;
 }
 
+core::AttitudeParams loadAttitudeParams(const ParamReader& reader, core::AttitudeParams params) {
+  const Eigen::Vector3d& sigma = params.sigma;
+  const std::vector<double> sigmas =
+      reader.numbers("attitude_sigma", {sigma.x(), sigma.y(), sigma.z()}, between(0.0, kPi / 2.0), "rad");
+  if (sigmas.size() != 3) {
+    throw reader.error("attitude_sigma",
+                       "expected three numbers [rad], of roll, pitch and yaw of the scans' frame, got " +
+                           std::to_string(sigmas.size()));
+  }
+  params.sigma = {sigmas[0], sigmas[1], sigmas[2]};
+  params.time_sigma = reader.number("attitude_time_sigma", params.time_sigma, atLeast(0.0), "s");
+  return params;
+}
+
 }  // namespace
 
 FrameChangeParams loadFrameChangeParams(const ParamReader& reader, FrameChangeParams params) {
@@ -97,6 +117,7 @@ FrameChangeParams loadFrameChangeParams(const ParamReader& reader, FrameChangePa
   params.max_waiting = reader.integer("max_waiting", params.max_waiting, 1, 1000000);
   for (const auto& [sensor, half_widths] : loadFieldsOfView(reader.sub("fields_of_view")))
     params.fields_of_view[sensor] = half_widths;
+  params.attitude = loadAttitudeParams(reader, params.attitude);
   if (params.tracking_frame.empty() || params.tracking_frame.front() == '/') {
     throw reader.error("tracking_frame", "expected a frame name without leading slash, got the string \"" +
                                              params.tracking_frame + "\"");
@@ -201,13 +222,10 @@ bool FrameChange::hasWaitedEnough(Waiting& scan, core::Time now) const {
 }
 
 FramedScan FrameChange::inTrackingFrame(const sightline::SightingArray::ConstPtr& message) const {
-  std::optional<Eigen::Matrix3d> R_tracking_sensor;
+  std::optional<Turn> turn;
   const auto& header = message->header;
   try {
-    if (header.frame_id != params_.tracking_frame) {
-      R_tracking_sensor =
-          rotationOf(transforms_.lookupTransform(params_.tracking_frame, header.frame_id, header.stamp));
-    }
+    turn = turnOf(header);
   } catch (const tf2::TransformException& problem) {
     return dropped(message, {"no transform", problem.what()});
   }
@@ -218,18 +236,45 @@ FramedScan FrameChange::inTrackingFrame(const sightline::SightingArray::ConstPtr
   framed.scan.ifov = message->ifov;
   framed.scan.detection_probability = message->detection_probability;
   framed.scan.clutter_density = message->clutter_density;
-  framed.scan.view = viewOf(message->sensor, R_tracking_sensor);
-  takeSightings(R_tracking_sensor, framed);
+  framed.scan.view = viewOf(message->sensor, turn);
+  takeSightings(turn, framed);
   dropIfNothingIsLeft(framed);
   return framed;
 }
 
-std::optional<core::FieldOfView> FrameChange::viewOf(
-    const std::string& sensor, const std::optional<Eigen::Matrix3d>& R_tracking_sensor) const {
+/// nullopt: the scan is in the tracking frame. Throws tf2::TransformException when the attitude is not known.
+std::optional<Turn> FrameChange::turnOf(const std_msgs::Header& header) const {
+  if (header.frame_id == params_.tracking_frame) return std::nullopt;
+  Turn turn{rotationOf(transforms_.lookupTransform(params_.tracking_frame, header.frame_id, header.stamp)),
+            {}};
+  if (!params_.attitude.isExact()) {
+    turn.attitude_covariance =
+        core::attitudeCovariance(params_.attitude, angularVelocityOf(header, turn.R_tracking_sensor));
+  }
+  return turn;
+}
+
+/// In the sensor's frame [rad/s], from the transforms of a moment before or, at their beginning, after; zero
+/// where there is but one.
+Eigen::Vector3d FrameChange::angularVelocityOf(const std_msgs::Header& header,
+                                               const Eigen::Matrix3d& R_tracking_sensor) const {
+  if (params_.attitude.time_sigma == 0.0) return Eigen::Vector3d::Zero();
+  for (const double step : {-kRateStep, kRateStep}) {
+    const ros::Time other = header.stamp + ros::Duration(step);
+    if (!transforms_.canTransform(params_.tracking_frame, header.frame_id, other)) continue;
+    const Eigen::Matrix3d R_other =
+        rotationOf(transforms_.lookupTransform(params_.tracking_frame, header.frame_id, other));
+    return core::angularVelocity(R_tracking_sensor, R_other, step);
+  }
+  return Eigen::Vector3d::Zero();
+}
+
+std::optional<core::FieldOfView> FrameChange::viewOf(const std::string& sensor,
+                                                     const std::optional<Turn>& turn) const {
   const auto field = params_.fields_of_view.find(sensor);
   if (field == params_.fields_of_view.end()) return std::nullopt;
   core::FieldOfView view;
-  if (R_tracking_sensor) view.R_sensor_tracking = R_tracking_sensor->transpose();
+  if (turn) view.R_sensor_tracking = turn->R_tracking_sensor.transpose();
   view.half_widths = field->second;
   return view;
 }
@@ -242,6 +287,10 @@ FramedScan FrameChange::withoutTransform(const Waiting& scan, core::Time now) co
   detail << "no transform from " << header.frame_id << " to " << params_.tracking_frame << " came within "
          << core::seconds(now - scan.since) << " s (tf_timeout " << params_.tf_timeout << " s)";
   if (!why.empty()) detail << ": " << why;
+  if (why.find("extrapolation") != std::string::npos) {
+    detail << " (transforms are interpolated between two stamps and never extrapolated: publish them for the "
+              "stamps of the scans)";
+  }
   return dropped(scan.message, {"no transform", detail.str()});
 }
 

@@ -1,5 +1,6 @@
 #include "sightline/ros/frames.h"
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
 #include <functional>
@@ -119,6 +120,73 @@ TEST_F(Frames, CovarianceTurnsWithTheDirection) {
   const auto covariance = core::anglesCovariance(resultOf(scan).scan.sightings.at(0));
   EXPECT_NEAR(covariance(0, 0), 1e-6, 1e-12);
   EXPECT_NEAR(covariance(1, 1), 4e-6, 1e-12);
+}
+
+/// 200 deg/s, in transforms a tenth of a second apart.
+TEST_F(Frames, FastTurnIsExactBetweenTransformsAtTenHertz) {
+  constexpr double kRate = 200.0 * 3.14159265358979323846 / 180.0;  // [rad/s]
+  for (int i = 0; i <= 20; ++i) setYaw(buffer_, 10.0 + 0.1 * i, "eye_frame", kRate * 0.1 * i);
+  for (const double time : {0.013, 0.05, 0.58, 0.9999, 1.777}) {
+    const auto framed = resultOf(scanAt(10.0 + time, "eye_frame"));
+    ASSERT_EQ(framed.drop_reason, "");
+    const auto seen = framed.scan.sightings[0].direction;
+    EXPECT_LT((seen - core::directionOf({0.1 + kRate * time, 0.2})).norm(), 1e-8) << time;
+  }
+}
+
+/// The error of interpolation: half the turn's acceleration times what is left and right of the stamp.
+TEST_F(Frames, TurnThatChangesLosesNoMoreThanItsAccelerationInterpolated) {
+  constexpr double kAmplitude = 1.0, kFrequency = 3.5;  // [rad], [rad/s]: up to 200 deg/s
+  const auto yaw = [](double time) { return kAmplitude * std::sin(kFrequency * time); };
+  const double bound = kAmplitude * kFrequency * kFrequency * 0.1 * 0.1 / 8.0;
+  for (int i = 0; i <= 20; ++i) setYaw(buffer_, 10.0 + 0.1 * i, "eye_frame", yaw(0.1 * i));
+  double worst = 0.0;
+  for (double time = 0.05; time < 2.0; time += 0.1) {
+    const auto seen = resultOf(scanAt(10.0 + time, "eye_frame")).scan.sightings.at(0).direction;
+    worst = std::max(worst, std::abs(core::wrapAngle(core::anglesOf(seen).x() - 0.1 - yaw(time))));
+  }
+  EXPECT_LT(worst, 1.01 * bound);
+  EXPECT_GT(worst, 0.9 * bound) << "the bound is what is lost where the turn changes most";
+}
+
+TEST_F(Frames, ExtrapolationIsRefusedWithItsRemedy) {
+  setYaw(buffer_, 10.0, "eye_frame", 0.0);
+  setYaw(buffer_, 10.1, "eye_frame", 0.0);
+  for (const double time : {9.99, 10.11}) {
+    const auto scan = scanAt(time, "eye_frame");
+    frames().add(shared(scan), at(time));
+    const auto released = frames().release(at(time + params_.tf_timeout));
+    ASSERT_EQ(released.size(), 1u);
+    EXPECT_EQ(released[0].drop_reason, "no transform");
+    EXPECT_NE(released[0].drop_detail.find("never extrapolated"), std::string::npos)
+        << released[0].drop_detail;
+  }
+}
+
+TEST_F(Frames, AttitudeThatIsUncertainWidensTheSightingsThatAreTurned) {
+  params_.attitude.sigma = {0.0, 2e-3, 3e-3};
+  setYaw(buffer_, 0.0, "eye_frame", 1.0, true);
+  auto scan = scanAt(10.0, "eye_frame");
+  scan.sightings[0] = sighting(0.0, 0.0);
+  const auto covariance = core::anglesCovariance(resultOf(scan).scan.sightings.at(0));
+  EXPECT_NEAR(covariance(0, 0), 1e-6 + 9e-6, 1e-12);
+  EXPECT_NEAR(covariance(1, 1), 1e-6 + 4e-6, 1e-12);
+  scan.header.frame_id = "platform_enu";
+  EXPECT_NEAR(core::anglesCovariance(resultOf(scan).scan.sightings.at(0))(0, 0), 1e-6, 1e-12)
+      << "a scan in the tracking frame has no attitude";
+}
+
+TEST_F(Frames, TimeOfATransformThatIsUncertainCountsByTheTurn) {
+  params_.attitude.time_sigma = 2e-3;
+  setYaw(buffer_, 10.0, "eye_frame", 0.0);
+  setYaw(buffer_, 10.5, "eye_frame", 1.5);  // 3 rad/s
+  setYaw(buffer_, 11.0, "eye_frame", 1.5);  // and at rest
+  const auto azimuthVariance = [&](double time) {
+    return core::anglesCovariance(resultOf(scanAt(time, "eye_frame")).scan.sightings.at(0))(0, 0);
+  };
+  EXPECT_NEAR(azimuthVariance(10.3), 1e-6 + std::pow(2e-3 * 3.0, 2), 1e-9);
+  EXPECT_NEAR(azimuthVariance(10.0), 1e-6 + std::pow(2e-3 * 3.0, 2), 1e-9) << "at the first transform";
+  EXPECT_NEAR(azimuthVariance(10.8), 1e-6, 1e-9);
 }
 
 TEST_F(Frames, FieldOfViewTurnsWithTheScanAtItsStamp) {

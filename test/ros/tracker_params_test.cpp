@@ -108,6 +108,26 @@ TEST(TrackerParams, FrameNamesAreChecked) {
   EXPECT_THROW(load("max_waiting: 0"), ParamError);
 }
 
+TEST(TrackerParams, AttitudeSigmasAreReadAndChecked) {
+  const ScratchFolder folder;
+  const auto load = [&](const std::string& yaml) {
+    const ParamReader reader = ParamReader::fromYaml(folder.write("params.yaml", yaml));
+    const auto attitude = sightline_ros::loadFrameChangeParams(reader).attitude;
+    reader.finish();
+    return attitude;
+  };
+  EXPECT_TRUE(load("tracking_frame: world").isExact());
+  const auto attitude = load("{attitude_sigma: [0.001, 0.002, deg(1)], attitude_time_sigma: 0.005}");
+  EXPECT_NEAR(attitude.sigma.z(), 0.0174533, 1e-6);
+  EXPECT_EQ(attitude.sigma.head<2>(), Eigen::Vector2d(0.001, 0.002));
+  EXPECT_EQ(attitude.time_sigma, 0.005);
+  for (const char* wrong :
+       {"attitude_sigma: 0.001", "attitude_sigma: [0.001]", "attitude_sigma: [0.0, 0.0, -0.1]",
+        "attitude_sigma: [5, 5, 5]", "attitude_time_sigma: -0.1", "attitude_time_sigma: '5ms'"}) {
+    EXPECT_THROW(load(wrong), ParamError) << wrong;
+  }
+}
+
 TEST(TrackerParams, FieldsOfViewAreReadBySensor) {
   const ScratchFolder folder;
   const auto load = [&](const std::string& yaml) {

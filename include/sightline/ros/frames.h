@@ -14,6 +14,7 @@
 #include <sightline/SightingArray.h>
 #include <tf2/buffer_core.h>
 
+#include "sightline/core/attitude.h"
 #include "sightline/core/sighting.h"
 #include "sightline/core/time.h"
 #include "sightline/ros/param_reader.h"
@@ -29,9 +30,12 @@ struct FrameChangeParams {
   /// Half widths of the fields of view in azimuth (0, pi] and elevation (0, pi/2] of the frame of its scans
   /// [rad], by sensor. Of a sensor that is not there it is not known where it looks.
   std::map<std::string, Eigen::Vector2d> fields_of_view;
+
+  sightline::core::AttitudeParams attitude;  ///< of the frames of scans in the tracking frame
 };
 
-/// Reads tracking_frame, tf_timeout, max_future, max_waiting and fields_of_view of this level.
+/// Reads tracking_frame, tf_timeout, max_future, max_waiting, fields_of_view, attitude_sigma and
+/// attitude_time_sigma of this level.
 FrameChangeParams loadFrameChangeParams(const ParamReader& reader, FrameChangeParams defaults = {});
 
 /// A scan message, and what can be said of it.
@@ -47,9 +51,16 @@ struct FramedScan {
   std::string drop_detail;  ///< the whole story, with values and remedy
 };
 
-/// Brings scans into the tracking frame with the transform at the stamp of exposure. A scan whose transform
-/// is not there yet waits, behind the earlier ones of its frame, until it comes or `tf_timeout` is over. Only
-/// the rotation matters: directions have no origin.
+/// How a scan is brought into the tracking frame.
+struct Turn {
+  Eigen::Matrix3d R_tracking_sensor;
+  std::optional<Eigen::Matrix3d> attitude_covariance;  ///< about the sensor's axes [rad^2]; none = exact
+};
+
+/// Brings scans into the tracking frame with the transform at the stamp of exposure, interpolated between two
+/// that are published, never extrapolated: of a turn that changes by `a` [rad/s^2], transforms `T` apart lose
+/// up to a T^2 / 8. A scan whose transform is not there yet waits, behind the earlier ones of its frame,
+/// until it comes or `tf_timeout` is over. Only the rotation matters: directions have no origin.
 class FrameChange {
  public:
   /// `transforms` is filled by others and must outlive this.
@@ -72,8 +83,11 @@ class FrameChange {
   };
 
   bool isHere(const sightline::SightingArray& message) const;
-  std::optional<sightline::core::FieldOfView> viewOf(
-      const std::string& sensor, const std::optional<Eigen::Matrix3d>& R_tracking_sensor) const;
+  std::optional<Turn> turnOf(const std_msgs::Header& header) const;
+  Eigen::Vector3d angularVelocityOf(const std_msgs::Header& header,
+                                    const Eigen::Matrix3d& R_tracking_sensor) const;
+  std::optional<sightline::core::FieldOfView> viewOf(const std::string& sensor,
+                                                     const std::optional<Turn>& turn) const;
   bool hasWaitedEnough(Waiting& scan, sightline::core::Time now) const;
   FramedScan inTrackingFrame(const sightline::SightingArray::ConstPtr& message) const;
   FramedScan withoutTransform(const Waiting& scan, sightline::core::Time now) const;
