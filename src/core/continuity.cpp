@@ -6,14 +6,16 @@
 
 namespace sightline::core {
 
-void Continuity::observe(std::uint32_t target, std::optional<std::uint32_t> track) {
+Continuity::Change Continuity::observe(std::uint32_t target, std::optional<std::uint32_t> track) {
   Target& state = targets_[target];
+  const Change change{state.covered && !track, track && state.last && *state.last != *track};
   ++observations_;
   if (track) ++covered_;
-  if (state.covered && !track) ++breaks_;
-  if (track && state.last && *state.last != *track) ++id_switches_;
+  if (change.lost) ++breaks_;
+  if (change.switched) ++id_switches_;
   state.covered = track.has_value();
   if (track) state.last = track;
+  return change;
 }
 
 void Continuity::forgetAllBut(const std::vector<std::uint32_t>& present) {

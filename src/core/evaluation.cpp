@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kSigmasOfMatch = 10.0;
 constexpr double kMatchGateWithoutSigma = 0.1;  // [rad]
+constexpr double kSecondsPerHour = 3600.0;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 void fillErrors(EvaluationRow& row, const ErrorStatistics& errors, double best_sigma) {
@@ -34,6 +35,20 @@ EvaluationRow rowOf(const SightingScore& score, double best_sigma) {
   return row;
 }
 
+void fillLives(EvaluationRow& row, const TrackScore& score) {
+  row.tracks = score.lives().tracks();
+  row.false_tracks = score.lives().falseTracks();
+  row.judged_time = score.judgedTime();
+  if (row.judged_time > 0.0)
+    row.false_tracks_per_hour = kSecondsPerHour * static_cast<double>(row.false_tracks) / row.judged_time;
+  row.purity = score.lives().purity();
+  row.completeness = score.appearances().completeness();
+  row.appearances = score.appearances().count();
+  row.never_confirmed = score.appearances().neverConfirmed();
+  row.confirm_median = score.appearances().medianDelay();
+  row.confirm_worst = score.appearances().worstDelay();
+}
+
 EvaluationRow rowOf(const TrackScore& score, double best_sigma) {
   EvaluationRow row;
   row.kind = score.fused() ? EvaluationRow::Kind::fused_tracks : EvaluationRow::Kind::tracks;
@@ -46,9 +61,28 @@ EvaluationRow rowOf(const TrackScore& score, double best_sigma) {
   row.unmatched = score.unmatched();
   row.stated_sigma = kUnknown;
   row.gospa = score.gospaMeans();
+  row.ospa = score.ospaMean().mean();
+  fillLives(row, score);
   row.tracks_now = score.tracksNow();
   row.angles_now = score.anglesNow();
   row.error_now = score.lastError();
+  return row;
+}
+
+TargetRow rowOf(const TrackScore& topic, std::uint32_t target, const TargetScore& score) {
+  TargetRow row;
+  row.topic = topic.topic();
+  row.name = topic.tracker();
+  row.target = target;
+  row.samples = score.errors.samples();
+  row.dimensions = score.errors.dimensions();
+  row.rmse = score.errors.rmse();
+  row.rate_rmse = score.errors.rateRmse();
+  row.anees_position = score.errors.aneesPosition();
+  row.anees_state = score.errors.aneesState();
+  row.coverage = score.coverage();
+  row.breaks = score.breaks;
+  row.id_switches = score.id_switches;
   return row;
 }
 
@@ -195,6 +229,22 @@ std::vector<EvaluationRow> Evaluation::rows() const {
   std::for_each(track_topics_.begin(), track_topics_.end(), addRow);
   std::stable_sort(rows.begin(), rows.end(),
                    [](const EvaluationRow& a, const EvaluationRow& b) { return a.kind < b.kind; });
+  return rows;
+}
+
+std::vector<const TrackScore*> Evaluation::trackScores() const {
+  std::vector<const TrackScore*> scores;
+  for (const TrackTopic& topic : track_topics_) scores.push_back(&topic.score);
+  std::stable_sort(scores.begin(), scores.end(),
+                   [](const TrackScore* a, const TrackScore* b) { return a->fused() < b->fused(); });
+  return scores;
+}
+
+std::vector<TargetRow> Evaluation::targetRows() const {
+  std::vector<TargetRow> rows;
+  for (const TrackScore* topic : trackScores()) {
+    for (const auto& [target, score] : topic->targets()) rows.push_back(rowOf(*topic, target, score));
+  }
   return rows;
 }
 

@@ -38,13 +38,35 @@ void GospaMeans::add(const Gospa& gospa) {
   distance_.add(gospa.distance);
   missed_.add(gospa.missed);
   extra_.add(gospa.extra);
-  pairs_sum_ += std::pow(gospa.localisation, params_.order);
-  pairs_ += static_cast<std::uint64_t>(gospa.assigned);
+  pairs_.add(std::pow(gospa.localisation, params_.order));
+  assigned_ += static_cast<std::uint64_t>(gospa.assigned);
 }
 
 double GospaMeans::localisation() const {
-  if (pairs_ == 0) return std::numeric_limits<double>::quiet_NaN();
-  return std::pow(pairs_sum_ / static_cast<double>(pairs_), 1.0 / params_.order);
+  if (assigned_ == 0) return std::numeric_limits<double>::quiet_NaN();
+  const double sum = pairs_.mean() * static_cast<double>(pairs_.count());
+  return std::pow(sum / static_cast<double>(assigned_), 1.0 / params_.order);
+}
+
+double GospaMeans::localisationCost() const {
+  return std::pow(pairs_.mean(), 1.0 / params_.order);
+}
+
+double GospaMeans::missedCost() const {
+  return costOf(missed_.mean());
+}
+
+double GospaMeans::extraCost() const {
+  return costOf(extra_.mean());
+}
+
+double GospaMeans::costOf(double count) const {
+  return params_.cutoff * std::pow(0.5 * count, 1.0 / params_.order);
+}
+
+double GospaMeans::rms() const {
+  const double alone = 0.5 * std::pow(params_.cutoff, params_.order);
+  return std::pow(pairs_.mean() + alone * (missed_.mean() + extra_.mean()), 1.0 / params_.order);
 }
 
 }  // namespace sightline::core

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kForbidden = std::numeric_limits<double>::infinity();
 constexpr double kKeepShare = 1.0 / 3.0;  // of the gate
+constexpr double kLongestStep = 2.0;      // [s] between reports; after more the tracker was silent
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// The direction that distances are measured from; without elevations, on the horizon.
@@ -27,6 +28,10 @@ std::vector<const Track*> believedOf(const TrackReport& report) {
     if (isBelieved(track)) believed.push_back(&track);
   }
   return believed;
+}
+
+std::optional<std::uint32_t> idOf(const Track* track) {
+  return track ? std::optional(track->id) : std::nullopt;
 }
 
 double statedVariance(const Sighting& sighting, Channels channels) {
@@ -150,18 +155,41 @@ void TrackScore::judge(const TrackReport& report, const std::vector<TrueTarget>&
   const std::vector<const Track*> track_of = matchTracks(targets, tracks, continuity_, gate, channels_);
   const auto matched = targets.size() - std::count(track_of.begin(), track_of.end(), nullptr);
   unmatched_ += tracks.size() - matched;
+  noteLives(tracks, targets, track_of);
 
   RunningMean square;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     if (!targets[i].settled) continue;
-    continuity_.observe(targets[i].id, track_of[i] ? std::optional(track_of[i]->id) : std::nullopt);
+    noteContinuity(targets[i], track_of[i]);
     if (track_of[i]) square.add(judgePair(report, targets[i], *track_of[i], listener));
   }
   if (square.count() > 0) last_error_ = std::sqrt(square.mean());
 
   const Gospa metric = gospaOf(targets, tracks, track_of, channels_, gospa_.params());
+  const Ospa ospa_metric = ospa(metric, gospa_.params());
   gospa_.add(metric);
-  if (listener.report) listener.report({topic_, report.time, metric});
+  ospa_.add(ospa_metric.distance);
+  if (listener.report) listener.report({topic_, report.time, metric, ospa_metric});
+}
+
+void TrackScore::noteLives(const std::vector<const Track*>& tracks, const std::vector<TrueTarget>& targets,
+                           const std::vector<const Track*>& track_of) {
+  for (const Track* track : tracks) {
+    const auto on = std::find(track_of.begin(), track_of.end(), track);
+    lives_.observe(track->id,
+                   on == track_of.end() ? std::nullopt : std::optional(targets[on - track_of.begin()].id));
+  }
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    appearances_.observe(targets[i].id, targets[i].age, idOf(track_of[i]));
+}
+
+void TrackScore::noteContinuity(const TrueTarget& target, const Track* track) {
+  const Continuity::Change change = continuity_.observe(target.id, idOf(track));
+  TargetScore& score = targets_.try_emplace(target.id, channels_).first->second;
+  ++score.reports;
+  score.covered += track ? 1 : 0;
+  score.breaks += change.lost ? 1 : 0;
+  score.id_switches += change.switched ? 1 : 0;
 }
 
 void TrackScore::forgetTheDeparted(Time time, const std::vector<TrueTarget>& targets) {
@@ -171,6 +199,9 @@ void TrackScore::forgetTheDeparted(Time time, const std::vector<TrueTarget>& tar
   }
   std::sort(stayed.begin(), stayed.end());
   continuity_.forgetAllBut(stayed);
+  appearances_.endAllBut(stayed);
+  const double step = last_judged_ ? seconds(time - *last_judged_) : 0.0;
+  if (step <= kLongestStep) judged_time_ += std::fmax(step, 0.0);
   last_judged_ = time;
 }
 
@@ -178,6 +209,7 @@ double TrackScore::judgePair(const TrackReport& report, const TrueTarget& target
                              const JudgementListener& listener) {
   const DirectionError error = errorOf(track.state, target.state, channels_);
   errors_.add(error);
+  targets_.at(target.id).errors.add(error);
   if (listener.pair) {
     listener.pair({topic_, report.tracker, report.time, target.id, track.id, track.state.angles(),
                    target.state.angles(), error});

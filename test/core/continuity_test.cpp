@@ -22,6 +22,15 @@ TEST(Continuity, CountsABreakWhenTheTargetGoesOnWithoutItsTrack) {
   EXPECT_NEAR(continuity.coverage(), 0.5, 1e-12);
 }
 
+TEST(Continuity, SaysWhatChanged) {
+  Continuity continuity;
+  EXPECT_FALSE(continuity.observe(1, 7).switched);
+  EXPECT_TRUE(continuity.observe(1, std::nullopt).lost);
+  EXPECT_FALSE(continuity.observe(1, std::nullopt).lost);  // said once
+  EXPECT_TRUE(continuity.observe(1, 8).switched);
+  EXPECT_FALSE(continuity.observe(1, 8).switched);
+}
+
 TEST(Continuity, CountsASwitchAtOnceAndAfterABreak) {
   Continuity continuity;
   continuity.observe(1, 7);

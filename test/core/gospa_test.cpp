@@ -83,4 +83,19 @@ TEST(GospaMeans, AreThoseWorkedByHand) {
   EXPECT_NEAR(means.extra(), 0.5, 1e-12);
 }
 
+TEST(GospaMeans, PartsAsCostsAreThoseWorkedByHand) {
+  // c = 10 mrad, p = 2. First instant: pairs 3 and 4 mrad apart, two targets missed: 9 + 16 + 2 * 100 / 2.
+  // Second: a pair 1 mrad apart and three false ones: 1 + 3 * 100 / 2. Means of the squares [mrad^2]:
+  // localisation 13, missed 50, false 75, all 138.
+  GospaMeans means(GospaParams{0.01, 2.0});
+  EXPECT_TRUE(std::isnan(means.rms()) && std::isnan(means.missedCost()));
+  means.add(gospa({at(0.003), at(0.104)}, {at(0.0), at(0.1), at(0.5), at(0.6)}, means.params()));
+  means.add(gospa({at(0.001), at(0.1), at(0.2), at(0.3)}, {at(0.0)}, means.params()));
+  EXPECT_NEAR(means.localisationCost(), 1e-3 * std::sqrt(13.0), 1e-12);
+  EXPECT_NEAR(means.missedCost(), 1e-3 * std::sqrt(50.0), 1e-12);
+  EXPECT_NEAR(means.extraCost(), 1e-3 * std::sqrt(75.0), 1e-12);
+  EXPECT_NEAR(means.rms(), 1e-3 * std::sqrt(138.0), 1e-12);
+  EXPECT_NEAR(means.localisation(), 1e-3 * std::sqrt(26.0 / 3.0), 1e-12);  // a pair
+}
+
 }  // namespace

@@ -11,8 +11,14 @@ namespace sightline::core {
 /// what was covered, the breaks and the changes of identity. A target that leaves is forgotten.
 class Continuity {
  public:
+  /// What an observation was beside the one before.
+  struct Change {
+    bool lost = false;      ///< a break: the target had a track and goes on without
+    bool switched = false;  ///< it came to a track of another id
+  };
+
   /// The target is there and has `track`, or none.
-  void observe(std::uint32_t target, std::optional<std::uint32_t> track);
+  Change observe(std::uint32_t target, std::optional<std::uint32_t> track);
 
   /// The target is not there.
   void forget(std::uint32_t target) { targets_.erase(target); }

@@ -21,7 +21,7 @@ struct EvaluationParams {
   double sighting_gate_floor = 0.0;  ///< distance [rad] within which a sighting is a target's anyway; >= 0
   Channels channels =
       Channels::azimuth_and_elevation;  ///< azimuth_only: elevations of the truth are not used
-  GospaParams gospa;
+  GospaParams gospa;                    ///< cutoff and order, of OSPA too
 };
 
 /// One line of the table: the fields of sightline/EvaluationRow, and more.
@@ -47,6 +47,36 @@ struct EvaluationRow {
   int tracks_now = 0;           ///< believed tracks in the last report
   Eigen::Vector2d angles_now = Eigen::Vector2d::Zero();  ///< of the first of them [rad]
   double error_now = 0.0;  ///< of the last scan or report that was judged, over channels and targets [rad]
+
+  // Of tracks:
+  double ospa = std::numeric_limits<double>::quiet_NaN();  ///< mean [rad]
+  std::uint64_t tracks = 0;                                ///< believed ones, by id
+  std::uint64_t false_tracks = 0;  ///< of them, those on any target in less than half of their reports
+  double judged_time = 0.0;        ///< between reports [s]; without silences over 2 s
+  double false_tracks_per_hour = std::numeric_limits<double>::quiet_NaN();  ///< of judged_time [1/h]
+  double purity =
+      std::numeric_limits<double>::quiet_NaN();  ///< share of a track's reports on its most usual target
+  double completeness =
+      std::numeric_limits<double>::quiet_NaN();  ///< share of a target's reports with its most usual track
+  std::uint64_t appearances = 0;                 ///< times a target came, or came back
+  std::uint64_t never_confirmed = 0;             ///< of them, those that never had a believed track
+  double confirm_median =
+      std::numeric_limits<double>::quiet_NaN();  ///< appearance to first believed track [s]
+  double confirm_worst = std::numeric_limits<double>::quiet_NaN();  ///< [s]
+};
+
+/// One target's tracks on one topic: the fields of sightline/EvaluationTarget.
+struct TargetRow {
+  std::string topic;
+  std::string name;  ///< tracker
+  std::uint32_t target = 0;
+  std::uint64_t samples = 0;  ///< reports in which it had a track
+  int dimensions = 2;         ///< of the position
+  double rmse = 0.0;          ///< over both channels [rad]
+  double rate_rmse = 0.0;     ///< [rad/s]
+  double anees_position = 0.0, anees_state = 0.0;
+  double coverage = 0.0;  ///< share of the reports while it was there
+  std::uint32_t breaks = 0, id_switches = 0;
 };
 
 /// Compares sightings and tracks with the truth as they come, in any order between topics. What is not yet
@@ -73,6 +103,9 @@ class Evaluation {
 
   /// Sightings first, then local tracks, then fused ones; each in the order of appearance.
   std::vector<EvaluationRow> rows() const;
+
+  /// A line for each topic of tracks and each target that was there, in the order of rows() and by id.
+  std::vector<TargetRow> targetRows() const;
 
   /// Stated sigma of the best sensor [rad]; NaN without sightings.
   double bestSigma() const;
@@ -105,6 +138,7 @@ class Evaluation {
   void forgetTruth();
   std::vector<TrueTarget> targetsAt(Time time) const;
   double matchGate() const;
+  std::vector<const TrackScore*> trackScores() const;  // local ones first
 
   EvaluationParams params_;
   JudgementListener listener_;

@@ -31,7 +31,8 @@ struct Gospa {
 Gospa gospa(const std::vector<Eigen::Vector3d>& estimates, const std::vector<Eigen::Vector3d>& truths,
             const GospaParams& params = {});
 
-/// Means over instants that come one by one; NaN without any.
+/// Means over instants that come one by one; NaN without any. Of the parts as costs, each is the share of one
+/// cause in the mean metric: rms^p = localisationCost^p + missedCost^p + extraCost^p.
 class GospaMeans {
  public:
   GospaMeans() = default;
@@ -47,11 +48,18 @@ class GospaMeans {
   double missed() const { return missed_.mean(); }      ///< targets without an estimate, an instant
   double extra() const { return extra_.mean(); }        ///< estimates without a target, an instant
 
+  double rms() const;               ///< (mean of distance^p)^(1/p) [rad]
+  double localisationCost() const;  ///< (mean of localisation^p over instants)^(1/p) [rad]
+  double missedCost() const;        ///< (mean of missed c^p / 2)^(1/p) [rad]
+  double extraCost() const;         ///< (mean of extra c^p / 2)^(1/p) [rad]
+
  private:
+  double costOf(double count) const;  // of so many members without a partner [rad]
+
   GospaParams params_;
   RunningMean distance_, missed_, extra_;
-  double pairs_sum_ = 0.0;  // of d^p
-  std::uint64_t pairs_ = 0;
+  RunningMean pairs_;  // sum of d^p over an instant's pairs
+  std::uint64_t assigned_ = 0;
 };
 
 }  // namespace sightline::core

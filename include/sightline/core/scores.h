@@ -3,17 +3,21 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "sightline/core/appearances.h"
 #include "sightline/core/continuity.h"
 #include "sightline/core/gospa.h"
 #include "sightline/core/metrics.h"
+#include "sightline/core/ospa.h"
 #include "sightline/core/sighting.h"
 #include "sightline/core/track.h"
+#include "sightline/core/track_lives.h"
 
 /// Scans and track reports of one topic against the truth of the same instant.
 namespace sightline::core {
@@ -51,6 +55,7 @@ struct JudgedReport {
   std::string topic;
   Time time{};
   Gospa gospa;
+  Ospa ospa;  ///< by the same order and cutoff
 };
 
 /// Told of everything that counts; either may be empty.
@@ -99,6 +104,17 @@ class SightingScore {
   std::uint64_t unmatched_ = 0;
 };
 
+/// The tracks of one target, over all its appearances.
+struct TargetScore {
+  explicit TargetScore(Channels channels) : errors(channels) {}
+
+  ErrorStatistics errors;
+  std::uint64_t reports = 0, covered = 0;  ///< while it was there, and those of them in which it had a track
+  std::uint32_t breaks = 0, id_switches = 0;
+
+  double coverage() const { return static_cast<double>(covered) / static_cast<double>(reports); }
+};
+
 /// The believed (confirmed or coasting) tracks of one topic.
 class TrackScore {
  public:
@@ -118,6 +134,8 @@ class TrackScore {
   /// The truth begins anew: which track each target had is forgotten, what counted stays.
   void restart() {
     continuity_.forgetAll();
+    appearances_.endAll();
+    lives_.restart();
     last_judged_ = std::nullopt;
   }
 
@@ -127,6 +145,11 @@ class TrackScore {
   const ErrorStatistics& errors() const { return errors_; }
   const Continuity& continuity() const { return continuity_; }
   const GospaMeans& gospaMeans() const { return gospa_; }
+  const RunningMean& ospaMean() const { return ospa_; }            ///< of the distance [rad]
+  const Appearances& appearances() const { return appearances_; }  ///< settled or not
+  const TrackLives& lives() const { return lives_; }
+  const std::map<std::uint32_t, TargetScore>& targets() const { return targets_; }  ///< by id
+  double judgedTime() const { return judged_time_; }  ///< between reports no further apart than 2 s [s]
   std::uint64_t unmatched() const { return unmatched_; }
   double lastError() const {
     return last_error_;
@@ -137,6 +160,12 @@ class TrackScore {
  private:
   /// Forgets which track the targets had that left, or left and came back, since the last report.
   void forgetTheDeparted(Time time, const std::vector<TrueTarget>& targets);
+
+  /// Notes on which target each track is; `track_of`: for each target its track, or nullptr.
+  void noteLives(const std::vector<const Track*>& tracks, const std::vector<TrueTarget>& targets,
+                 const std::vector<const Track*>& track_of);
+
+  void noteContinuity(const TrueTarget& target, const Track* track);
 
   /// Adds the error; returns its mean square over the channels [rad^2].
   double judgePair(const TrackReport& report, const TrueTarget& target, const Track& track,
@@ -149,6 +178,11 @@ class TrackScore {
   Continuity continuity_;
   std::optional<Time> last_judged_;
   GospaMeans gospa_;
+  RunningMean ospa_;
+  Appearances appearances_;
+  TrackLives lives_;
+  std::map<std::uint32_t, TargetScore> targets_;
+  double judged_time_ = 0.0;  // [s]
   std::uint64_t unmatched_ = 0;
   double last_error_ = std::numeric_limits<double>::quiet_NaN();
   int tracks_now_ = 0;

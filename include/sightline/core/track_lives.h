@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace sightline::core {
+
+/// What became of every believed track of one tracker: told at every report which target each track was on,
+/// it counts the tracks that were of no target, and how mixed the others are. A track's life is counted in
+/// reports. Keeps a few numbers of every track there was.
+class TrackLives {
+ public:
+  /// The track is in the report, on `target` or on none.
+  void observe(std::uint32_t track, std::optional<std::uint32_t> target);
+
+  /// From here on ids are those of other tracks: the tracker, or time, has begun anew.
+  void restart() { ++run_; }
+
+  std::size_t tracks() const { return lives_.size(); }
+
+  /// Tracks that were on any target in less than half of their life.
+  std::size_t falseTracks() const;
+
+  /// Share of a track's life on the target on which it was most, the mean over tracks weighted by their
+  /// lengths, in [0, 1]; NaN without tracks.
+  double purity() const;
+
+ private:
+  struct Life {
+    std::uint64_t reports = 0;
+    std::map<std::uint32_t, std::uint64_t> on_target;  // reports by target
+  };
+
+  std::uint32_t run_ = 0;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Life> lives_;  // by run and track
+};
+
+}  // namespace sightline::core
