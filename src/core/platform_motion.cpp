@@ -8,6 +8,8 @@
 namespace sightline::core {
 namespace {
 
+constexpr double kPi = 3.14159265358979323846;
+
 Eigen::Matrix3d alongCourse(const Eigen::Vector3d& velocity, const Eigen::Vector3d& attitude) {
   const double course = std::atan2(velocity.y(), velocity.x());
   return rotationOf(attitude + Eigen::Vector3d(0.0, 0.0, course));
@@ -17,9 +19,15 @@ PlatformState stateAt(const FixedPlatform& fixed, double /*time*/) {
   return {fixed.position, Eigen::Vector3d::Zero(), rotationOf(fixed.attitude)};
 }
 
+/// What is added to roll, pitch and yaw [rad].
+Eigen::Vector3d swingAt(const StraightPlatform& straight, double time) {
+  const Eigen::Array3d periods = time / straight.swing_period + Eigen::Array3d(0.0, 1.0 / 3.0, 2.0 / 3.0);
+  return straight.swing.array() * (2.0 * kPi * periods).sin();
+}
+
 PlatformState stateAt(const StraightPlatform& straight, double time) {
   return {straight.position + time * straight.velocity, straight.velocity,
-          alongCourse(straight.velocity, straight.attitude)};
+          alongCourse(straight.velocity, straight.attitude + swingAt(straight, time))};
 }
 
 PlatformState stateAt(const OrbitPlatform& orbit, double time) {
@@ -36,10 +44,14 @@ std::optional<std::string> fault(const FixedPlatform& fixed) {
 }
 
 std::optional<std::string> fault(const StraightPlatform& straight) {
-  if (straight.position.allFinite() && straight.velocity.allFinite() && straight.attitude.allFinite()) {
-    return std::nullopt;
+  if (!straight.position.allFinite() || !straight.velocity.allFinite() || !straight.attitude.allFinite()) {
+    return "position, velocity and attitude of a straight platform must be finite";
   }
-  return "position, velocity and attitude of a straight platform must be finite";
+  if (straight.swing.allFinite() && straight.swing_period > 0.0) return std::nullopt;
+  std::ostringstream why;
+  why << "the swing of a straight platform must be finite and its swing_period above 0 s, got "
+      << straight.swing_period << " s";
+  return why.str();
 }
 
 std::optional<std::string> fault(const OrbitPlatform& orbit) {

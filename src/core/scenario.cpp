@@ -1,5 +1,6 @@
 #include "sightline/core/scenario.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <sstream>
@@ -18,6 +19,9 @@ std::optional<std::string> faultOf(const Target& target) {
     why << "it must start at or after 0 s and end after its start, got [" << target.start << ", "
         << target.end << ") s";
     return why.str();
+  }
+  for (const Interval& interval : target.invisible) {
+    if (auto fault = faultOf(interval, "a time in which it is invisible")) return fault;
   }
   return faultOf(target.trajectory);
 }
@@ -50,6 +54,11 @@ std::optional<std::string> faultOfSensors(const std::vector<SimulatedSensor>& se
 }
 
 }  // namespace
+
+bool isVisible(const Target& target, double time) {
+  return std::none_of(target.invisible.begin(), target.invisible.end(),
+                      [time](const Interval& interval) { return interval.holds(time); });
+}
 
 std::optional<AngularState> truthAt(const Scenario& scenario, const Target& target, double time) {
   if (!isThere(target, time)) return std::nullopt;

@@ -134,7 +134,7 @@ void SensorSimulator::addTargets(SimulatedScan& simulated, double time) {
     const bool detected = target_streams_[i].detection.uniform() < sensor_.detection_probability;
     const Target& target = scenario_.targets[i];
     const auto direction = directionFromSensor(sensor_, platform, target, time);
-    if (!detected || !direction || !inView(sensor_, *direction)) continue;
+    if (!detected || !direction || !isVisible(target, time) || !inView(sensor_, *direction)) continue;
     const Eigen::Vector2d angles = anglesOf(*direction);
     const Eigen::Vector2d sigma = errors.sigma_scale * statedSigma(sensor_, angles);
     simulated.scan.sightings.push_back(measured(sensor_, angles + errors.bias + sigma.cwiseProduct(draw)));

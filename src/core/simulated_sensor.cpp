@@ -15,14 +15,6 @@ bool within(double value, double low, double high) {
   return value >= low && value <= high;
 }
 
-std::optional<std::string> faultOf(const Interval& interval, const char* kind) {
-  if (interval.from >= 0.0 && interval.to > interval.from) return std::nullopt;
-  std::ostringstream why;
-  why << kind << " must start at or after 0 s and end after its start, got [" << interval.from << ", "
-      << interval.to << ") s";
-  return why.str();
-}
-
 std::optional<std::string> faultOfOptics(const SimulatedSensor& sensor) {
   std::ostringstream why;
   const Eigen::Vector2d& view = sensor.field_of_view;
@@ -68,6 +60,14 @@ std::optional<std::string> faultOfErrors(const SimulatedSensor& sensor) {
 }
 
 }  // namespace
+
+std::optional<std::string> faultOf(const Interval& interval, const char* kind) {
+  if (interval.from >= 0.0 && interval.to > interval.from) return std::nullopt;
+  std::ostringstream why;
+  why << kind << " must start at or after 0 s and end after its start, got [" << interval.from << ", "
+      << interval.to << ") s";
+  return why.str();
+}
 
 Eigen::Matrix3d R_platform_sensor(const SimulatedSensor& sensor) {
   return rotationOf(sensor.mount_attitude);

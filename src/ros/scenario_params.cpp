@@ -76,10 +76,10 @@ core::Interval loadInterval(const ParamReader& reader) {
   return {reader.requiredNumber("from", atLeast(0.0), "s"), loadEnd(reader, "to")};
 }
 
-std::vector<core::Interval> loadOutages(const SensorReader& reader) {
-  std::vector<core::Interval> outages;
-  for (const ParamReader& entry : reader.list("outages")) outages.push_back(loadInterval(entry));
-  return outages;
+std::vector<core::Interval> loadIntervals(const std::vector<ParamReader>& entries) {
+  std::vector<core::Interval> intervals;
+  for (const ParamReader& entry : entries) intervals.push_back(loadInterval(entry));
+  return intervals;
 }
 
 std::vector<core::Degradation> loadDegradations(const SensorReader& reader) {
@@ -110,7 +110,7 @@ core::SimulatedSensor loadSensor(const SensorReader& reader) {
   sensor.timing = loadTiming(reader.sub("timing"));
   sensor.latency = reader.number("latency", sensor.latency, atLeast(0.0), "s");
   sensor.latency_jitter = reader.number("latency_jitter", sensor.latency_jitter, atLeast(0.0), "s");
-  sensor.outages = loadOutages(reader);
+  sensor.outages = loadIntervals(reader.list("outages"));
   sensor.degradations = loadDegradations(reader);
   return sensor;
 }
@@ -149,6 +149,7 @@ core::Target loadTarget(const ParamReader& reader, int place, std::uint64_t scen
   target.id = static_cast<std::uint32_t>(reader.integer("id", place, 1, kLargest));
   target.start = reader.number("start", target.start, atLeast(0.0), "s");
   target.end = loadEnd(reader, "end");
+  target.invisible = loadIntervals(reader.list("invisible"));
   target.trajectory =
       loadTrajectory(reader, core::seedOf(scenario_seed, "trajectory of " + std::to_string(target.id)));
   return target;

@@ -155,6 +155,8 @@ core::PlatformMotion straightPlatform(const ParamReader& reader) {
   straight.position = triple(reader, "position", straight.position, "m");
   straight.velocity = triple(reader, "velocity", straight.velocity, "m/s");
   straight.attitude = triple(reader, "attitude", straight.attitude, "rad");
+  straight.swing = triple(reader, "swing", straight.swing, "rad");
+  straight.swing_period = reader.number("swing_period", straight.swing_period, above(0.0), "s");
   return straight;
 }
 

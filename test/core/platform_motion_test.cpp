@@ -46,6 +46,42 @@ TEST(PlatformMotion, StraightLooksWhereItGoes) {
   EXPECT_LT((5.0 * forward(state) - straight.velocity).norm(), 1e-12);
 }
 
+TEST(PlatformMotion, SwingTurnsThePlatformAboutItsCourseAndMovesItNowhere) {
+  StraightPlatform straight{{0.0, 0.0, 0.0}, {0.0, 60.0, 0.0}, {0.0, 0.0, 0.0}};
+  straight.swing = {0.0, 0.0, 1.0};
+  straight.swing_period = 1.8;
+  const auto yaw = [&](double time) {
+    const Eigen::Vector3d ahead = forward(platformAt(straight, time));
+    return std::atan2(ahead.y(), ahead.x()) - kPi / 2.0;
+  };
+  double fastest = 0.0, farthest = 0.0;
+  for (double time = 0.0; time < 3.6; time += 0.01) {
+    fastest = std::max(fastest, std::abs(yaw(time + 1e-4) - yaw(time - 1e-4)) / 2e-4);
+    farthest = std::max(farthest, std::abs(yaw(time)));
+    EXPECT_NEAR(yaw(time + 1.8), yaw(time), 1e-12);
+    EXPECT_LT((platformAt(straight, time).position - Eigen::Vector3d(0.0, 60.0 * time, 0.0)).norm(), 1e-12);
+  }
+  EXPECT_NEAR(farthest, 1.0, 1e-3);
+  EXPECT_NEAR(fastest, 2.0 * kPi / 1.8, 1e-2);
+}
+
+TEST(PlatformMotion, SwingGoesThroughItsAnglesOneAfterTheOther) {
+  StraightPlatform straight;
+  straight.swing = {0.3, 0.2, 0.1};
+  straight.swing_period = 3.0;
+  const double side = std::sqrt(0.75);
+  EXPECT_LT((platformAt(straight, 0.0).R_world_platform - rotationOf({0.0, 0.2 * side, -0.1 * side})).norm(),
+            1e-12);
+  EXPECT_LT((platformAt(straight, 1.0).R_world_platform - rotationOf({0.3 * side, -0.2 * side, 0.0})).norm(),
+            1e-12);
+}
+
+TEST(PlatformMotion, SwingNeedsAPeriod) {
+  StraightPlatform straight;
+  straight.swing_period = 0.0;
+  EXPECT_NE(faultOf(PlatformMotion(straight)).value().find("swing_period"), std::string::npos);
+}
+
 TEST(PlatformMotion, OrbitKeepsItsRadiusAndTurnsWithItsCourse) {
   for (const double rate : {0.05, -0.2}) {
     OrbitPlatform orbit;

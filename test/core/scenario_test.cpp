@@ -96,6 +96,11 @@ TEST(Scenario, FaultsNameTheirPlace) {
   backwards.targets[0].end = 2.0;
   EXPECT_NE(faultOf(backwards).value().find("target 1: it must start"), std::string::npos);
 
+  Scenario never_hidden = paper();
+  never_hidden.targets[0].invisible = {{3.0, 3.0}};
+  EXPECT_NE(faultOf(never_hidden).value().find("target 1: a time in which it is invisible must"),
+            std::string::npos);
+
   Scenario degrees = paper();
   degrees.sensors[0].field_of_view = {60.0, 40.0};
   EXPECT_NE(faultOf(degrees).value().find("sensor tracking_1: the field of view"), std::string::npos);

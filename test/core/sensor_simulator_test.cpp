@@ -162,6 +162,8 @@ TEST(SensorSimulator, ScanCarriesTheSensorsStatements) {
     EXPECT_EQ(simulated.scan.ifov, 0.003);
     EXPECT_EQ(simulated.scan.detection_probability, 0.9);
     EXPECT_EQ(simulated.scan.clutter_density, 0.5);
+    ASSERT_TRUE(simulated.scan.view);
+    EXPECT_EQ(simulated.scan.view->half_widths, eye.field_of_view);
     EXPECT_EQ(simulated.origins.size(), simulated.scan.sightings.size());
     for (const Sighting& sighting : simulated.scan.sightings) {
       const Eigen::Matrix2d covariance = anglesCovariance(sighting);
@@ -486,6 +488,28 @@ TEST(SensorSimulator, TargetThatLeavesAndAnotherThatComesAreToldApart) {
                                                               : std::vector<std::uint32_t>{};
     ASSERT_EQ(simulated.origins, expected) << time;
   }
+}
+
+TEST(SensorSimulator, InvisibleTargetIsNotSeenAndNothingElseChanges) {
+  Scenario scenario = eyeOn(0.1, 0.1);
+  scenario.sensors[0].sigma = {1e-3, 1e-3};
+  scenario.targets.push_back(standingAt(-0.2, 0.0, 7));
+  const auto all = scansOfEye(scenario, 200);
+  scenario.targets[1].invisible = {{1.0, 2.0}, {3.0, 3.5}};
+  const auto fewer = scansOfEye(scenario, 200);
+  ASSERT_EQ(fewer.size(), all.size());
+  int hidden = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double time = seconds(fewer[i].scan.time - kStart);
+    const bool is_hidden = (time >= 1.0 && time < 2.0) || (time >= 3.0 && time < 3.5);
+    hidden += is_hidden;
+    const std::vector<std::uint32_t> both{7, 1}, other{1};
+    ASSERT_EQ(all[i].origins, both);
+    ASSERT_EQ(fewer[i].origins, is_hidden ? other : both);
+    EXPECT_EQ(fewer[i].scan.sightings.front().direction, all[i].scan.sightings[is_hidden].direction);
+    EXPECT_TRUE(truthAt(scenario, scenario.targets[1], time)) << "it is there all the same";
+  }
+  EXPECT_GT(hidden, 20);
 }
 
 // ---- refusals ----

@@ -59,26 +59,33 @@ const core::SimulatedSensor& sensorOf(const core::Scenario& scenario, const std:
   throw std::out_of_range(name);
 }
 
-/// Share of a sensor's scans that show the target, of those in which it exists, before `until` seconds.
-double shareSeen(const core::Scenario& scenario, const std::string& sensor, const core::Target& target,
-                 double until) {
-  core::SensorSimulator simulator(scenario, sensor, core::Time{});
-  int there = 0, seen = 0;
+/// Share of a sensor's scans that show each target, of those in which it exists and can be seen, before
+/// `until` seconds, over the probability of detection: 1 = always in view.
+std::vector<double> sharesInView(const core::Scenario& scenario, const core::SimulatedSensor& sensor,
+                                 double until) {
+  core::SensorSimulator simulator(scenario, sensor.name, core::Time{});
+  std::vector<int> there(scenario.targets.size()), seen(scenario.targets.size());
   while (const auto simulated = simulator.next()) {
     const double time = core::seconds(simulated->scan.time.time_since_epoch());
     if (time >= until) break;
-    if (!core::truthAt(scenario, target, time)) continue;
-    ++there;
-    for (const auto origin : simulated->origins) seen += origin == target.id;
+    for (std::size_t i = 0; i < scenario.targets.size(); ++i) {
+      const core::Target& target = scenario.targets[i];
+      there[i] += core::truthAt(scenario, target, time) && core::isVisible(target, time);
+      for (const auto origin : simulated->origins) seen[i] += origin == target.id;
+    }
   }
-  return there > 0 ? static_cast<double>(seen) / there : 0.0;
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < scenario.targets.size(); ++i) {
+    shares.push_back(there[i] > 0 ? seen[i] / (sensor.detection_probability * there[i]) : 0.0);
+  }
+  return shares;
 }
 
 // ---- the shipped files ----
 
 TEST(ScenarioParams, EveryShippedScenarioLoadsWithTheSixSensors) {
   const auto names = namesOfShipped();
-  EXPECT_GE(names.size(), 11U);
+  EXPECT_GE(names.size(), 18U);
   for (const std::string& name : names) {
     SCOPED_TRACE(name);
     core::Scenario scenario;
@@ -91,13 +98,15 @@ TEST(ScenarioParams, EveryShippedScenarioLoadsWithTheSixSensors) {
 TEST(ScenarioParams, EveryTargetOfAShippedScenarioIsSeenByMostSensors) {
   for (const std::string& name : namesOfShipped()) {
     const core::Scenario scenario = shipped(name);
-    for (const core::Target& target : scenario.targets) {
-      double seen = 0.0;  // sensors' worth of sightings
-      for (const core::SimulatedSensor& sensor : scenario.sensors) {
-        seen += shareSeen(scenario, sensor.name, target, 30.0);
-      }
-      // The sensors of the moving platform share the horizon among them, three to a direction.
-      EXPECT_GE(seen, name == "moving_platform" ? 1.9 : 4.5) << name << ", target " << target.id;
+    std::vector<double> in_view(scenario.targets.size());  // sensors' worth of sightings
+    for (const core::SimulatedSensor& sensor : scenario.sensors) {
+      const std::vector<double> shares = sharesInView(scenario, sensor, 45.0);
+      for (std::size_t i = 0; i < shares.size(); ++i) in_view[i] += shares[i];
+    }
+    // The sensors of the moving platform share the horizon among them, three to a direction.
+    for (std::size_t i = 0; i < in_view.size(); ++i) {
+      EXPECT_GE(in_view[i], name == "moving_platform" ? 1.9 : 4.5)
+          << name << ", target " << scenario.targets[i].id;
     }
   }
 }
@@ -235,6 +244,20 @@ TEST(ScenarioParams, EveryKindOfPlatformMotionIsRead) {
   EXPECT_LT((at("{motion: straight, velocity: [1, 2, 3]}", 2.0) - Eigen::Vector3d(2, 4, 6)).norm(), 1e-12);
   EXPECT_LT((at("{motion: orbit, radius: 10, centre: [5, 0, 0]}", 0.0) - Eigen::Vector3d(15, 0, 0)).norm(),
             1e-12);
+}
+
+TEST(ScenarioParams, SwingOfAPlatformAndTimesOfInvisibilityAreRead) {
+  const core::Scenario scenario = loadText(
+      "{targets: [{trajectory: line, invisible: [{from: 2, to: 3.5}, {from: 9}]}],"
+      " platform: {motion: straight, swing: [0.1, 0.2, 1], swing_period: 1.8}}");
+  const auto platform = std::get<core::StraightPlatform>(scenario.platform);
+  EXPECT_EQ(platform.swing, Eigen::Vector3d(0.1, 0.2, 1.0));
+  EXPECT_EQ(platform.swing_period, 1.8);
+  const core::Target& target = scenario.targets.at(0);
+  EXPECT_TRUE(core::isVisible(target, 1.99));
+  EXPECT_FALSE(core::isVisible(target, 2.0));
+  EXPECT_TRUE(core::isVisible(target, 3.5));
+  EXPECT_FALSE(core::isVisible(target, 1e6));
 }
 
 // ---- refusals ----

@@ -19,11 +19,15 @@ struct FixedPlatform {
   Eigen::Vector3d attitude{0.0, 0.0, 0.0};  ///< roll, pitch, yaw; yaw counts from east [rad]
 };
 
-/// Goes straight on.
+/// Goes straight on, and may swing round its attitude: each angle on a sinusoid, pitch a third of a period
+/// before roll, yaw a third before pitch.
 struct StraightPlatform {
   Eigen::Vector3d position{0.0, 0.0, 0.0};  ///< at time zero, in the world [m]
   Eigen::Vector3d velocity{5.0, 0.0, 0.0};  ///< [m/s]
   Eigen::Vector3d attitude{0.0, 0.0, 0.0};  ///< roll, pitch, yaw; yaw counts from the course [rad]
+  Eigen::Vector3d swing{0.0, 0.0,
+                        0.0};  ///< amplitude of roll, pitch, yaw; fastest: 2 pi swing / period [rad]
+  double swing_period = 2.0;   ///< > 0 [s]
 };
 
 /// Goes round in a level circle, and turns with it.

@@ -17,6 +17,7 @@ struct Target {
   double start = 0.0;                                    ///< appears; time zero of its trajectory [s]
   double end = std::numeric_limits<double>::infinity();  ///< disappears [s]
   Trajectory trajectory;
+  std::vector<Interval> invisible = {};  ///< of scenario time, in which no sensor sees it though it is there
 };
 
 struct Scenario {
@@ -27,8 +28,11 @@ struct Scenario {
   std::vector<SimulatedSensor> sensors;
 };
 
+/// Whether sensors can see the target, where it is there at all.
+bool isVisible(const Target& target, double time);
+
 /// Azimuth, elevation and their rates in platform_enu, exact, covariance zero; nullopt when the target is not
-/// there (before its start, from its end on) or is at the platform itself.
+/// there (before its start, from its end on) or is at the platform itself. An invisible target has its truth.
 std::optional<AngularState> truthAt(const Scenario& scenario, const Target& target, double time);
 
 /// Unit vector to the target in the sensor's frame; nullopt as for truthAt. Whether it is in view is another

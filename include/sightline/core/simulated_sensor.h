@@ -21,6 +21,9 @@ struct Interval {
   bool holds(double time) const { return from <= time && time < to; }
 };
 
+/// What is wrong with an interval, beginning with what it is ("an outage"); nullopt when nothing is.
+std::optional<std::string> faultOf(const Interval& interval, const char* kind);
+
 /// A time in which a sensor is worse than it says.
 struct Degradation {
   Interval interval;
