@@ -6,6 +6,7 @@
 #include <sightline/TrackletArray.h>
 
 #include "sightline/ros/conversions.h"
+#include "sightline/ros/this_node.h"
 
 namespace sightline_ros {
 namespace {
@@ -13,15 +14,6 @@ namespace {
 constexpr std::uint32_t kQueue = 1000;                 // messages a topic
 constexpr double kSecondsBetweenTimeoutChecks = 0.02;  // of the wall's clock
 constexpr double kSecondsBetweenDiagnostics = 1.0;     // of the wall's clock
-
-sightline::core::Time clockNow() {
-  return toCore(ros::Time::now());
-}
-
-/// The node's full name without the leading slash.
-std::string nameOfNode(const ros::NodeHandle& pnh) {
-  return pnh.getNamespace().substr(1);
-}
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 
 #include "sightline/ros/conversions.h"
 #include "sightline/ros/scenario_params.h"
+#include "sightline/ros/this_node.h"
 #include "sightline/ros/transform_messages.h"
 
 namespace sightline_ros {
@@ -67,7 +68,7 @@ void SensorSimulatorNode::startAt(const ros::Time& start) {
 
 /// A node that joins late does not make up for what it has missed.
 void SensorSimulatorNode::skipMissed() {
-  const core::Time now = toCore(ros::Time::now());
+  const core::Time now = clockNow();
   int missed = 0;
   for (; upcoming_ && upcoming_->publish_time + kLongestBacklog < now; ++missed)
     upcoming_ = simulator_->next();

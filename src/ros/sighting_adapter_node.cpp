@@ -7,6 +7,7 @@
 #include <ros/console.h>
 
 #include "sightline/ros/conversions.h"
+#include "sightline/ros/this_node.h"
 
 namespace sightline_ros {
 namespace {
@@ -145,7 +146,7 @@ void SightingAdapterNode::publish(Source& source, const Reading& reading) {
 }
 
 void SightingAdapterNode::note(const Refusal& refusal) {
-  if (const auto warning = refusals_.note(refusal, toCore(ros::Time::now()))) ROS_WARN_STREAM(*warning);
+  if (const auto warning = refusals_.note(refusal, clockNow())) ROS_WARN_STREAM(*warning);
 }
 
 void SightingAdapterNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -14,6 +14,7 @@
 #include "sightline/core/sphere.h"
 #include "sightline/ros/adapter_reading.h"
 #include "sightline/ros/conversions.h"
+#include "sightline/ros/this_node.h"
 
 namespace sightline_ros {
 
@@ -169,7 +170,7 @@ void SpotDetectorNode::publish(const std::vector<core::Spot>& spots, const senso
 }
 
 void SpotDetectorNode::refuse(const std::string& reason, const std::string& detail) {
-  if (const auto warning = refusals_.note({reason, detail}, toCore(ros::Time::now()))) {
+  if (const auto warning = refusals_.note({reason, detail}, clockNow())) {
     ROS_WARN_STREAM(params_.sensor << ": " << *warning);
   }
 }

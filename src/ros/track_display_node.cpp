@@ -10,6 +10,7 @@
 
 #include "sightline/ros/conversions.h"
 #include "sightline/ros/scenario_params.h"
+#include "sightline/ros/this_node.h"
 
 namespace sightline_ros {
 namespace {
@@ -159,7 +160,7 @@ void TrackDisplayNode::listen(const std::string& topic, Callback callback) {
 void TrackDisplayNode::subscribe() {
   for (const std::string& topic : params_.sighting_topics) {
     listen<sightline::SightingArray>(topic, [this](const sightline::SightingArray::ConstPtr& scan) {
-      frame_change_.add(scan, toCore(ros::Time::now()));
+      frame_change_.add(scan, clockNow());
     });
   }
   listenToTracks(params_.main_topic, DisplayScene::kMainChannel);

@@ -13,6 +13,7 @@
 #include "sightline/ros/evaluation_messages.h"
 #include "sightline/ros/evaluation_params.h"
 #include "sightline/ros/evaluation_text.h"
+#include "sightline/ros/this_node.h"
 
 namespace sightline_ros {
 
@@ -26,10 +27,6 @@ constexpr double kSecondsBetweenReleases = 0.1;  // of the wall's clock
 constexpr double kSecondsBetweenWarnings = 10.0;
 constexpr double kSecondsForTheLast =
     0.5;  // of the wall's clock, for what is on its way when the duration is over
-
-core::Time clockNow() {
-  return toCore(ros::Time::now());
-}
 
 std::vector<std::string> ofSixSensors(const std::string& last) {
   std::vector<std::string> topics;

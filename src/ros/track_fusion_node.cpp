@@ -7,21 +7,13 @@
 #include <sightline/FusionReport.h>
 
 #include "sightline/ros/conversions.h"
+#include "sightline/ros/this_node.h"
 
 namespace sightline_ros {
 namespace {
 
 constexpr std::uint32_t kQueue = 1000;              // messages a topic
 constexpr double kSecondsBetweenDiagnostics = 1.0;  // of the wall's clock
-
-sightline::core::Time clockNow() {
-  return toCore(ros::Time::now());
-}
-
-/// The node's full name without the leading slash.
-std::string nameOfNode(const ros::NodeHandle& pnh) {
-  return pnh.getNamespace().substr(1);
-}
 
 std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHandle& nh) {
   std::set<std::string> seen;

@@ -1,6 +1,7 @@
 // Truth publisher and sensor under a simulated clock that the test drives.
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -15,6 +16,7 @@
 
 #include "sightline/core/sensor_simulator.h"
 #include "sightline/ros/conversions.h"
+#include "sightline/ros/pacer.h"
 #include "sightline/ros/scenario_params.h"
 
 namespace {
@@ -107,6 +109,33 @@ TEST_F(SimulatedTime, EverythingComesAtItsTimeAndNothingIsLeftOut) {
 
   core::SensorSimulator simulator(scenario_, "eye", toCore(start_));
   for (const auto& scan : scans_) EXPECT_EQ(scan->header.stamp, toRos(simulator.next()->scan.time));
+}
+
+TEST_F(SimulatedTime, WorkIsDoneAtItsTimeThoughTheClockJumpsPastItAndStandsStillThere) {
+  const ros::Time begin(5000.0);
+  const auto jumpTo = [&](const ros::Time& now) {
+    return waitUntil([&] {
+      setClock(now);
+      return ros::Time::now() == now;
+    });
+  };
+  ASSERT_TRUE(jumpTo(begin));
+  std::vector<ros::Time> runs;
+  sightline_ros::Pacer pacer(nh_, [&](const ros::Time& now) -> std::optional<ros::Time> {
+    runs.push_back(now);
+    if (runs.size() == 1) {  // while the work is done, the clock goes past the time that it asks for
+      setClock(begin + ros::Duration(0.3));
+      while (ros::Time::now() == begin && ros::ok()) ros::WallDuration(0.001).sleep();
+      return begin + ros::Duration(0.1);
+    }
+    if (runs.size() == 2) return begin + ros::Duration(0.4);
+    return std::nullopt;
+  });
+  pacer.wake();
+  ASSERT_TRUE(waitUntil([&] { return runs.size() == 2; })) << "asked for a time that has passed";
+  ASSERT_TRUE(jumpTo(begin + ros::Duration(0.4)));
+  ASSERT_TRUE(waitUntil([&] { return runs.size() == 3; })) << "the clock stands at the time asked for";
+  EXPECT_EQ(runs, (std::vector<ros::Time>{begin, begin + ros::Duration(0.3), begin + ros::Duration(0.4)}));
 }
 
 TEST_F(SimulatedTime, FixedPlatformIsKnownAtEveryTime) {

@@ -6,11 +6,13 @@
 #include <ros/node_handle.h>
 #include <ros/time.h>
 #include <ros/timer.h>
+#include <ros/wall_timer.h>
 
 namespace sightline_ros {
 
 /// Runs work at the times that it asks for, on ROS's clock, wall or simulated. The times are absolute: what
-/// one run took does not delay the next. Says so (throttled) when it falls behind.
+/// one run took does not delay the next, and neither does a simulated clock that jumps meanwhile. Says so
+/// (throttled) when it falls behind.
 class Pacer {
  public:
   /// Does everything that is due at `now`; returns when it is next due, nullopt when there is nothing to wait
@@ -25,11 +27,12 @@ class Pacer {
 
  private:
   void run();
-  void sleepUntil(const ros::Time& due, const ros::Time& now);
+  bool sleepsUntil(const ros::Time& due);
 
   Work work_;
   std::optional<ros::Time> due_;  // what the timer waits for
   ros::Timer timer_;
+  ros::WallTimer wake_up_;  // by the wall's clock: a simulated one may stand still
 };
 
 }  // namespace sightline_ros
