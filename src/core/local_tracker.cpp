@@ -9,8 +9,6 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kClockJump = 5.0;        // lateness that is no mere latency [s]
-constexpr int kScansOfAJump = 20;         // so late in a row: the clock went back
 constexpr std::size_t kMostChanges = 64;  // of sensors' verdicts that are remembered
 
 bool hasUsableNumbers(const Sighting& sighting) {
@@ -81,13 +79,6 @@ LocalTracker::LocalTracker(const LocalTrackerParams& params)
 ScanReport LocalTracker::onScan(const Scan& scan) {
   Sifted sifted = sift(scan, static_cast<std::size_t>(params_.max_sightings));
   ScanReport result;
-  if (clockWentBack(scan)) {
-    std::ostringstream notice;
-    notice << "stamps went back by " << seconds(state_.time - scan.time)
-           << " s: tracks given up, tracking goes on from there";
-    result.notice = notice.str();
-    startAnew(scan.time);
-  }
   result.dropped = refusalOf(sifted.scan);
   if (result.dropped.empty()) {
     putInPlace(sifted.scan, result);
@@ -120,20 +111,12 @@ std::string LocalTracker::refusalOf(const Scan& scan) const {
   return {};
 }
 
-bool LocalTracker::clockWentBack(const Scan& scan) {
-  const bool far_late =
-      !memory_.empty() && seconds(state_.time - scan.time) > std::max(kClockJump, 4.0 * params_.max_lag);
-  late_in_a_row_ = far_late ? late_in_a_row_ + 1 : 0;
-  return late_in_a_row_ >= kScansOfAJump;
-}
-
 void LocalTracker::startAnew(Time time) {
   state_.tracks.clear();
   state_.calibration = NoiseCalibration(params_.noise_calibration);
   state_.guard = SensorGuard(params_.guard);
   state_.time = time;
   memory_.clear();
-  late_in_a_row_ = 0;
 }
 
 /// Follows the scan at its place in time; what had been followed after it is followed again.

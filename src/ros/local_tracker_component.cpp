@@ -19,6 +19,12 @@ std::string nameFrom(const ParamReader& reader, const std::string& fallback) {
   return name.empty() ? fallback : name;
 }
 
+core::StampWatchParams stampWatchParams(double max_lag) {
+  core::StampWatchParams params;
+  params.max_lag = max_lag;
+  return params;
+}
+
 /// Why a tracker dropped a scan begins with the kind of reason: "late: 0.7 s older than ...".
 std::string kindOf(const std::string& reason) {
   return reason.substr(0, reason.find(':'));
@@ -66,6 +72,7 @@ LocalTrackerComponent::LocalTrackerComponent(const core::LocalTrackerParams& tra
       estimator_(nameOf(tracker.estimator.kind)),
       max_lag_(tracker.max_lag),
       frames_(frames, transforms),
+      stamps_(stampWatchParams(tracker.max_lag)),
       tracker_(tracker) {
   if (tracklets.enabled) tracklets_.emplace(tracklets);
 }
@@ -78,8 +85,36 @@ std::vector<TrackerReport> LocalTrackerComponent::onScan(const sightline::Sighti
 
 std::vector<TrackerReport> LocalTrackerComponent::onTransforms(core::Time now) {
   std::vector<TrackerReport> reports;
-  for (FramedScan& framed : frames_.release(now)) reports.push_back(track(framed));
+  for (FramedScan& framed : frames_.release(now)) {
+    if (framed.drop_reason.empty())
+      admit(std::move(framed), now, reports);
+    else
+      reports.push_back(track(framed));
+  }
   return reports;
+}
+
+/// Tracks a scan, and those that it releases, unless its stamp jumps.
+void LocalTrackerComponent::admit(FramedScan framed, core::Time now, std::vector<TrackerReport>& reports) {
+  const core::Time stamp = framed.scan.time;
+  const std::string sensor = framed.scan.sensor;
+  const auto clock = now == core::Time{} ? std::nullopt : std::make_optional(now);
+  auto admitted = stamps_.take(sensor, stamp, std::move(framed), clock);
+  if (admitted.went_back) tracker_.startAnew(stamp);
+  std::string notice;
+  for (const std::string& words : admitted.notices) notice += (notice.empty() ? "" : "; ") + words;
+  for (auto& passed : admitted.passed) {
+    passed.item.drop_reason = kindOf(passed.dropped);
+    passed.item.drop_detail = passed.dropped;
+    reports.push_back(track(passed.item));
+    reports.back().notice = std::exchange(notice, "");
+    reports.back().went_back = std::exchange(admitted.went_back, std::nullopt).has_value();
+  }
+}
+
+void LocalTrackerComponent::startAnew(core::Time time) {
+  stamps_ = core::StampGate<FramedScan>(stampWatchParams(max_lag_));
+  tracker_.startAnew(time);
 }
 
 sightline::TrackletArray::Ptr LocalTrackerComponent::overdueTracklets(core::Time now) {
@@ -97,7 +132,6 @@ TrackerReport LocalTrackerComponent::track(FramedScan& framed) {
     core::ScanReport tracked = tracker_.onScan(framed.scan);
     report.drop_reason = kindOf(tracked.dropped);
     report.drop_detail = tracked.dropped;
-    report.notice = tracked.notice;
     report.changes = std::move(tracked.changes);
     if (tracked.dropped.empty()) report.tracks = trackArray(tracked);
     if (tracklets_) report.tracklets = trackletArray(tracklets_->onScan(framed.scan, tracked));

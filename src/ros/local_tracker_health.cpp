@@ -41,9 +41,20 @@ double LocalTrackerHealth::silenceFrom(const ParamReader& reader) {
   return reader.number("silence", kDefaultSilence, above(0.0), "s");
 }
 
+void LocalTrackerHealth::noteArrival(const sightline::SightingArray& scan, core::Time now) {
+  if (now == core::Time{} || scan.header.stamp.isZero() || scan.sensor.empty()) return;
+  sensors_[scan.sensor].latency.add(core::seconds(now - toCore(scan.header.stamp)));
+}
+
 void LocalTrackerHealth::note(const TrackerReport& report) {
   const bool was_used = report.drop_reason.empty();
-  if (!was_used) ++drops_[kindOfComplaint(report)].count;
+  if (!was_used) {
+    ++drops_[kindOfComplaint(report)].count;
+    ++sensors_[report.scan->sensor].drops[report.drop_reason];
+  }
+  if (report.went_back) {
+    for (auto& named : sensors_) named.second.last_scan = named.second.last_sighting = core::Time{};
+  }
   if (was_used && report.rejected > 0) drops_[kRejectedSightings].count += report.rejected;
   if (!was_used) return;
 
@@ -112,8 +123,14 @@ std::vector<std::string> LocalTrackerHealth::clockLines(const std::vector<core::
 void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
                                   diagnostic_updater::DiagnosticStatusWrapper& status,
                                   const std::vector<core::WatchedSensor>& watched,
-                                  const std::vector<core::CalibratedSensor>& calibrated) {
+                                  const std::vector<core::CalibratedSensor>& calibrated,
+                                  const std::vector<core::WatchedStamps>& stamps) {
   summarize(now, status);
+  for (const core::WatchedStamps& sensor : stamps) {
+    if (sensor.words.empty()) continue;
+    status.add("stamps of " + sensor.sensor, sensor.words);
+    status.mergeSummary(DiagnosticStatus::WARN, "stamps of " + sensor.sensor + " are " + sensor.words);
+  }
   for (const core::CalibratedSensor& sensor : calibrated) {
     status.add("noise of " + sensor.sensor, wordsOf(sensor));
     const bool is_rough = sensor.scale > kRough && sensor.sightings >= kSettledSightings;
@@ -133,13 +150,7 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
 
   const double elapsed = last_diagnosis_ ? core::seconds(now - *last_diagnosis_) : 0.0;
   for (auto& [name, sensor] : sensors_) {
-    const auto fresh = static_cast<double>(sensor.scans - sensor.scans_before);
-    status.addf(name + ": scan rate [Hz]", "%.1f", elapsed > 0.0 ? fresh / elapsed : 0.0);
-    status.add(name + ": scans", sensor.scans);
-    status.add(name + ": sightings", sensor.sightings);
-    if (sensor.last_sighting != core::Time{}) {
-      status.addf(name + ": age of last sighting [s]", "%.3f", core::seconds(now - sensor.last_sighting));
-    }
+    addSensor(name, sensor, now, elapsed, status);
     sensor.scans_before = sensor.scans;
   }
   status.add("scans waiting for a transform", waiting);
@@ -148,6 +159,24 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
     counted.count_before = counted.count;
   }
   last_diagnosis_ = now;
+}
+
+void LocalTrackerHealth::addSensor(const std::string& name, const Sensor& sensor, core::Time now,
+                                   double elapsed,
+                                   diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  const auto fresh = static_cast<double>(sensor.scans - sensor.scans_before);
+  status.addf(name + ": scan rate [Hz]", "%.1f", elapsed > 0.0 ? fresh / elapsed : 0.0);
+  status.add(name + ": scans", sensor.scans);
+  status.add(name + ": sightings", sensor.sightings);
+  if (sensor.last_sighting != core::Time{}) {
+    status.addf(name + ": age of last sighting [s]", "%.3f", core::seconds(now - sensor.last_sighting));
+  }
+  if (sensor.latency.size() > 0) {
+    status.addf("latency of " + name, "%.1f ms (median), %.1f ms (95 %%), over the last %zu scans",
+                1e3 * *sensor.latency.quantile(0.5), 1e3 * *sensor.latency.quantile(0.95),
+                sensor.latency.size());
+  }
+  for (const auto& [reason, count] : sensor.drops) status.add(name + ": scans dropped, " + reason, count);
 }
 
 void LocalTrackerHealth::summarize(core::Time now,

@@ -54,7 +54,9 @@ void LocalTrackerNode::subscribe(const std::vector<std::string>& topics) {
 }
 
 void LocalTrackerNode::onScan(const sightline::SightingArray::ConstPtr& scan) {
-  publish(component_.onScan(scan, clockNow()));
+  const sightline::core::Time now = clockNow();
+  health_.noteArrival(*scan, now);
+  publish(component_.onScan(scan, now));
 }
 
 void LocalTrackerNode::onTransforms() {
@@ -89,7 +91,8 @@ void LocalTrackerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
   const std::vector<sightline::core::WatchedSensor> watched = component_.sensors();
   for (const std::string& line : health_.clockLines(watched))
     ROS_WARN_STREAM(component_.name() << ": " << line);
-  health_.diagnose(clockNow(), component_.waiting(), status, watched, component_.calibratedSensors());
+  health_.diagnose(clockNow(), component_.waiting(), status, watched, component_.calibratedSensors(),
+                   component_.stamps());
 }
 
 }  // namespace sightline_ros

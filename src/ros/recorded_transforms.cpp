@@ -34,11 +34,19 @@ bool isRepeated(const geometry_msgs::TransformStamped& a, const geometry_msgs::T
 }  // namespace
 
 RecordedTransforms::RecordedTransforms(const rosbag::Bag& bag)
-    : buffer_(ros::Duration(kReach)), moving_(transformsOn("/tf", bag)) {
-  for (const auto& transform : transformsOn("/tf_static", bag)) buffer_.setTransform(transform, "bag", true);
+    : buffer_(ros::Duration(kReach)),
+      fixed_(transformsOn("/tf_static", bag)),
+      moving_(transformsOn("/tf", bag)) {
   std::stable_sort(moving_.begin(), moving_.end(), precedes);
   // The buffer would complain of each repetition.
   moving_.erase(std::unique(moving_.begin(), moving_.end(), isRepeated), moving_.end());
+  rewind();
+}
+
+void RecordedTransforms::rewind() {
+  buffer_.clear();
+  next_ = 0;
+  for (const auto& transform : fixed_) buffer_.setTransform(transform, "bag", true);
 }
 
 void RecordedTransforms::advanceTo(sightline::core::Time time) {

@@ -17,6 +17,7 @@
 #include <sightline/TrackletArray.h>
 
 #include "sightline/core/scan_queue.h"
+#include "sightline/core/stamp_watch.h"
 #include "sightline/ros/bags.h"
 #include "sightline/ros/conversions.h"
 #include "sightline/ros/local_tracker_component.h"
@@ -103,6 +104,8 @@ ParamReader fusionSectionOf(const ParamReader& config, const ReplaySettings& set
   return settings.estimator.empty() ? section : section.with("estimator", settings.estimator);
 }
 
+using StampGate = core::StampGate<SightingArray::ConstPtr>;
+
 /// One replay under way.
 class Replay {
  public:
@@ -115,6 +118,9 @@ class Replay {
                   const ParamReader& section);
   void copy(const rosbag::MessageInstance& message);
   void take(const SightingArray::ConstPtr& scan, const ros::Time& received);
+  void admit(const StampGate::Result& admitted);
+  void enqueue(const SightingArray::ConstPtr& scan);
+  void startAnew(core::Time time);
   void follow(const SightingArray::ConstPtr& scan);
   std::vector<TrackerReport> track(Tracker& tracker, const SightingArray::ConstPtr& scan);
   void fuse(const Tracker& tracker, const std::vector<TrackerReport>& reports);
@@ -130,6 +136,8 @@ class Replay {
   std::map<std::string, Tracker> trackers_;  // by sensor; kAllSensors for the one over all sightings
   TrackFusionComponent fusion_;
   std::set<std::string> written_ = {kFusedTracks, kFusionReport};  // topics
+  double max_lag_ = 0.0;                                           // [s]
+  StampGate stamps_{core::StampWatchParams{}};
   core::ScanQueue<SightingArray::ConstPtr> queue_{0.0};
   double max_future_ = 0.0;  // [s]
   ReplaySummary summary_;
@@ -147,12 +155,14 @@ Replay::Replay(const rosbag::Bag& in, rosbag::Bag& out, const ParamReader& confi
   addTracker(kAllSensors, "sensor_fusion", "/sensor_fusion",
              sectionOf(config, "sensor_fusion", "estimator", settings.estimator));
 
-  double max_lag = 0.0;
   for (const auto& named : trackers_) {
-    max_lag = std::max(max_lag, named.second.component.maxLag());
+    max_lag_ = std::max(max_lag_, named.second.component.maxLag());
     max_future_ = std::max(max_future_, named.second.component.maxFuture());
   }
-  queue_ = core::ScanQueue<SightingArray::ConstPtr>(max_lag);
+  core::StampWatchParams stamps;
+  stamps.max_lag = max_lag_;
+  stamps_ = StampGate(stamps);
+  queue_ = core::ScanQueue<SightingArray::ConstPtr>(max_lag_);
 }
 
 void Replay::addTracker(const std::string& sensor, const std::string& name, const std::string& space,
@@ -171,6 +181,7 @@ ReplaySummary Replay::run() {
     take(message.instantiate<SightingArray>(), message.getTime());
     for (const auto& due : queue_.release()) follow(due);
   }
+  admit(stamps_.finish());
   for (const auto& due : queue_.releaseAll()) follow(due);
   sendOverdueTracklets(core::Time::max());
   if (first_) summary_.recorded = core::seconds(*last_ - *first_);
@@ -191,12 +202,40 @@ void Replay::take(const SightingArray::ConstPtr& scan, const ros::Time& received
     ++summary_.drops["recording: scan dropped, " + complaint->first];
   } else if (core::seconds(stamp - toCore(received)) > max_future_) {
     ++summary_.drops["recording: scan dropped, stamped more than max_future after it was received"];
-  } else if (!queue_.add({stamp, scan->sensor, bytesOf(*scan)}, scan)) {
-    ++summary_.drops["recording: scan dropped, later than max_lag"];
   } else {
-    first_ = std::min(first_.value_or(stamp), stamp);
-    last_ = std::max(last_.value_or(stamp), stamp);
+    admit(stamps_.take(scan->sensor, stamp, scan, toCore(received)));
   }
+}
+
+void Replay::admit(const StampGate::Result& admitted) {
+  summary_.notices.insert(summary_.notices.end(), admitted.notices.begin(), admitted.notices.end());
+  if (admitted.went_back) startAnew(toCore(admitted.passed.back().item->header.stamp));
+  for (const StampGate::Passed& passed : admitted.passed) {
+    if (passed.dropped.empty())
+      enqueue(passed.item);
+    else
+      ++summary_.drops["recording: scan dropped, its stamp is ahead of the other sensors'"];
+  }
+}
+
+void Replay::enqueue(const SightingArray::ConstPtr& scan) {
+  const core::Time stamp = toCore(scan->header.stamp);
+  if (!queue_.add({stamp, scan->sensor, bytesOf(*scan)}, scan)) {
+    ++summary_.drops["recording: scan dropped, later than max_lag"];
+    return;
+  }
+  first_ = std::min(first_.value_or(stamp), stamp);
+  last_ = std::max(last_.value_or(stamp), stamp);
+}
+
+/// The stamps of the recording went back: what came before is followed to its end, then all is forgotten.
+void Replay::startAnew(core::Time time) {
+  for (const auto& due : queue_.releaseAll()) follow(due);
+  sendOverdueTracklets(core::Time::max());
+  queue_ = core::ScanQueue<SightingArray::ConstPtr>(max_lag_);
+  transforms_.rewind();
+  for (auto& named : trackers_) named.second.component.startAnew(time);
+  fusion_.reset();
 }
 
 /// Scans come in order here.

@@ -33,6 +33,7 @@ void print(const sightline_ros::ReplaySummary& summary, const std::string& out, 
     std::printf("  sensor \"%s\" is found under %s: its name is no topic's\n", sensor.c_str(), topic.c_str());
   }
   for (const auto& [reason, count] : summary.drops) std::printf("  %s: %zu\n", reason.c_str(), count);
+  for (const std::string& notice : summary.notices) std::printf("  %s\n", notice.c_str());
   if (summary.drops.empty()) std::printf("  nothing dropped\n");
 }
 

@@ -216,6 +216,92 @@ TEST_F(Component, AWrongClockIsWarnedOfOnceAndStaysInTheDiagnostics) {
   EXPECT_NE(status.message.find("clock of eye_0"), std::string::npos);
 }
 
+TEST_F(Component, LatencyAndDropsOfEachSensorAreInTheDiagnostics) {
+  LocalTrackerHealth health(2.0);
+  const auto deliver = [&](const sightline::SightingArray::Ptr& scan, double latency) {
+    const core::Time now = toCore(scan->header.stamp) + core::durationOf(latency);
+    health.noteArrival(*scan, now);
+    for (const TrackerReport& report : component_.onScan(scan, now)) health.note(report);
+  };
+  for (int i = 0; i < 100; ++i) {
+    deliver(scanAt(10.0 + 0.05 * i, {0.5}, "quick"), i < 90 ? 0.010 : 0.025);
+    deliver(scanAt(10.0 + 0.05 * i, {0.5}, "slow"), 0.2);
+  }
+  deliver(scanAt(14.95, {0.5}, "slow"), 0.2);  // duplicate
+  deliver(scanAt(12.0, {0.5}, "slow"), 0.2);   // late
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(at(15.0), 0, status, {}, {}, component_.stamps());
+  EXPECT_EQ(valueOf(status, "latency of quick"), "10.0 ms (median), 25.0 ms (95 %), over the last 100 scans");
+  EXPECT_EQ(valueOf(status, "latency of slow"),
+            "200.0 ms (median), 200.0 ms (95 %), over the last 102 scans");
+  EXPECT_EQ(valueOf(status, "slow: scans dropped, duplicate"), "1");
+  EXPECT_EQ(valueOf(status, "slow: scans dropped, late"), "1");
+  EXPECT_EQ(valueOf(status, "quick: scans dropped, late"), "(absent)");
+}
+
+TEST_F(Component, LatencyIsNotMadeUpWithoutAClock) {
+  LocalTrackerHealth health(2.0);
+  health.noteArrival(*scanAt(10.0, {}), core::Time{});
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(at(15.0), 0, status);
+  EXPECT_EQ(valueOf(status, "latency of eye"), "(absent)");
+}
+
+/// Three sensors of 30 Hz for a second from `from`, the first off by `off` [s]; the clock is of another time.
+std::vector<TrackerReport> runThree(LocalTrackerComponent& component, double from, double off) {
+  std::vector<TrackerReport> all;
+  for (int k = 0; k < 30; ++k) {
+    for (const char* name : {"a", "b", "c"}) {
+      const double stamp = from + k / 30.0 + (name[0] - 'a') * 0.01 + (name[0] == 'a' ? off : 0.0);
+      for (auto& report : component.onScan(scanAt(stamp, {0.5}, name), at(1e6))) all.push_back(report);
+    }
+  }
+  return all;
+}
+
+std::string noticesOf(const std::vector<TrackerReport>& reports) {
+  std::string notices;
+  for (const TrackerReport& report : reports) notices += report.notice;
+  return notices;
+}
+
+TEST_F(Component, ARecordingInALoopIsTrackedAgainFromItsStart) {
+  for (int k = 0; k < 5; ++k) runThree(component_, 100.0 + k, 0.0);
+  const auto again = runThree(component_, 100.0, 0.0);
+  EXPECT_NE(noticesOf(again).find("stamps went back by"), std::string::npos);
+  const auto last = runThree(component_, 101.0, 0.0).back();
+  ASSERT_TRUE(last.tracks);
+  ASSERT_EQ(last.tracks->tracks.size(), 1u);
+  EXPECT_EQ(last.tracks->tracks[0].status, sightline::Track::CONFIRMED);
+  EXPECT_LT(last.tracks->header.stamp, ros::Time(103.0));
+}
+
+TEST_F(Component, OneClockThatStepsIsLeftOutSaidAndTakenBackWhileTheOthersTrackOn) {
+  for (const double step : {-3600.0, -10.0, -0.7, 0.7, 10.0, 3600.0}) {
+    LocalTrackerComponent component(reader_, "my_tracker", transforms_);
+    for (int k = 0; k < 3; ++k) runThree(component, 5000.0 + k, 0.0);
+    LocalTrackerHealth health(2.0);
+    const auto during = runThree(component, 5003.0, step);
+    for (const auto& report : during) health.note(report);
+    diagnostic_updater::DiagnosticStatusWrapper status;
+    health.diagnose(at(5004.0), 0, status, {}, {}, component.stamps());
+    EXPECT_NE(noticesOf(during).find("stamps of a are "), std::string::npos) << step;
+    EXPECT_NE(valueOf(status, "stamps of a").find(step < 0.0 ? "behind" : "ahead"), std::string::npos)
+        << step;
+    EXPECT_EQ(valueOf(status, "stamps of b"), "(absent)") << step;
+    std::size_t used = 0, accepted = 0;
+    for (const auto& report : during) {
+      used += report.tracks ? 1 : 0;
+      if (report.tracks) accepted += report.tracks->tracks.size();
+    }
+    EXPECT_GE(used, 60u) << step << ": those of the others";
+    EXPECT_EQ(accepted, used) << step << ": one track all the time";
+    const auto after = runThree(component, 5004.0, 0.0);
+    EXPECT_NE(noticesOf(after).find("stamps of a agree with the others' again"), std::string::npos) << step;
+    EXPECT_EQ(after.back().tracks->tracks.at(0).sources.size(), 3u) << step;
+  }
+}
+
 TEST_F(Component, WarningsOfOneKindComeAtMostEveryFiveSeconds) {
   LocalTrackerHealth health(2.0);
   report(scanAt(10.0, {0.5}));

@@ -37,7 +37,6 @@ struct ScanReport {
   double noise_scale = 1.0;               ///< factor on the variances with which the sightings were used
   std::vector<SensorChange> changes;      ///< of sensors' verdicts, that had not been said before
   std::string dropped;                    ///< why the scan was not used (late, duplicate); empty if it was
-  std::string notice;  ///< what else an operator must know (the clock went back); mostly empty
 };
 
 /// Tracks targets with the sightings of one sensor or of several. Scans come in the tracking frame, in any
@@ -57,9 +56,12 @@ class LocalTracker {
   explicit LocalTracker(const LocalTrackerParams& params);
 
   /// Takes a scan. Never throws for what is in it: unusable sightings are rejected one by one, with their
-  /// reason. Twenty scans in a row that are more than 5 s late mean that the clock went back (a recording
-  /// started again): the tracks are given up, said in `notice`, and tracking goes on at the new time.
+  /// reason. Stamps that jump are the business of a StampWatch before it.
   ScanReport onScan(const Scan& scan);
+
+  /// Time went back to `time`: gives the tracks and everything learnt up, and tracks on from there. Ids go
+  /// on.
+  void startAnew(Time time);
 
   /// What is thought of each sensor that has been compared with others, by name.
   std::vector<WatchedSensor> sensors() const { return state_.guard.sensors(); }
@@ -86,8 +88,6 @@ class LocalTracker {
   };
 
   std::string refusalOf(const Scan& scan) const;
-  bool clockWentBack(const Scan& scan);
-  void startAnew(Time time);
 
   void putInPlace(const Scan& scan, ScanReport& result);
   std::vector<Association> follow(std::size_t k);
@@ -111,7 +111,6 @@ class LocalTracker {
   State state_;
   ScanMemory<State> memory_;
   std::vector<SensorChange> told_;  // the last changes that were reported
-  int late_in_a_row_ = 0;
 };
 
 }  // namespace sightline::core

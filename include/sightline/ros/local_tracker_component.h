@@ -12,6 +12,7 @@
 #include <tf2/buffer_core.h>
 
 #include "sightline/core/local_tracker.h"
+#include "sightline/core/stamp_watch.h"
 #include "sightline/core/time.h"
 #include "sightline/core/tracklet_builder.h"
 #include "sightline/ros/frames.h"
@@ -29,7 +30,8 @@ struct TrackerReport {
   std::string drop_reason;                        ///< short and of few kinds; empty when the scan was used
   std::string drop_detail;                        ///< the whole story
   std::vector<sightline::core::SensorChange> changes;  ///< of what is thought of a sensor; mostly none
-  std::string notice;                                  ///< what else an operator must know; mostly empty
+  std::string notice;      ///< what else an operator must know (stamps that jump); mostly empty
+  bool went_back = false;  ///< time went back: everything was started anew before this scan
 };
 
 /// A local tracker from message to message, without a node round it: frame change, then the tracker of the
@@ -42,7 +44,8 @@ class LocalTrackerComponent {
                         const tf2::BufferCore& transforms);
 
   /// Takes a scan; `now` is the clock, 0 = not known. Returns what became of it, and of scans that had
-  /// waited; nothing as long as it has to wait for its transform.
+  /// waited; nothing as long as it has to wait for its transform, or is held as its stamp leaps ahead of the
+  /// other sensors'.
   std::vector<TrackerReport> onScan(const sightline::SightingArray::ConstPtr& scan,
                                     sightline::core::Time now);
 
@@ -51,6 +54,12 @@ class LocalTrackerComponent {
 
   /// Tracklets that wait for a scan that does not come; null when nothing has to be sent by now.
   sightline::TrackletArray::Ptr overdueTracklets(sightline::core::Time now);
+
+  /// Gives everything up and tracks on from `time`: time went back.
+  void startAnew(sightline::core::Time time);
+
+  /// How the stamps of each sensor stand to the others'.
+  std::vector<sightline::core::WatchedStamps> stamps() const { return stamps_.sensors(); }
 
   /// What is thought of each sensor that has been compared with others.
   std::vector<sightline::core::WatchedSensor> sensors() const { return tracker_.sensors(); }
@@ -73,6 +82,7 @@ class LocalTrackerComponent {
                         const sightline::core::TrackletParams& tracklets, const FrameChangeParams& frames,
                         std::string name, const tf2::BufferCore& transforms);
 
+  void admit(FramedScan framed, sightline::core::Time now, std::vector<TrackerReport>& reports);
   TrackerReport track(FramedScan& framed);
   sightline::TrackArray::Ptr trackArray(const sightline::core::ScanReport& report) const;
   sightline::TrackletArray::Ptr trackletArray(std::optional<sightline::core::TrackletReport> report) const;
@@ -81,6 +91,7 @@ class LocalTrackerComponent {
   std::string estimator_;
   double max_lag_;
   FrameChange frames_;
+  sightline::core::StampGate<FramedScan> stamps_;
   sightline::core::LocalTracker tracker_;
   std::optional<sightline::core::TrackletBuilder> tracklets_;  // none: not enabled
 };

@@ -9,14 +9,16 @@
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
 
+#include "sightline/core/recent_values.h"
+#include "sightline/core/stamp_watch.h"
 #include "sightline/core/time.h"
 #include "sightline/ros/local_tracker_component.h"
 #include "sightline/ros/param_reader.h"
 
 namespace sightline_ros {
 
-/// What an operator is told about a local tracker: rates by sensor, drops by reason, age of the last
-/// sighting, tracks by status. Times are the clock's, handed in.
+/// What an operator is told about a local tracker: rates and latencies by sensor, drops by reason, age of the
+/// last sighting, tracks by status. Times are the clock's, handed in.
 class LocalTrackerHealth {
  public:
   /// Reads `silence` of this level [s].
@@ -24,6 +26,9 @@ class LocalTrackerHealth {
 
   /// `silence`: without a scan for so long the tracker is reported as starved [s].
   explicit LocalTrackerHealth(double silence) : silence_(silence) {}
+
+  /// A scan has arrived at `now`, whatever becomes of it; 0 = the clock is not known.
+  void noteArrival(const sightline::SightingArray& scan, sightline::core::Time now);
 
   void note(const TrackerReport& report);
 
@@ -40,11 +45,13 @@ class LocalTrackerHealth {
 
   /// Fills a diagnostic status; rates and the level are over the time since the last call. `watched`: what
   /// the tracker thinks of its sensors; one that is not healthy is a warning. `calibrated`: what it has
-  /// learnt of their noise; one that is much rougher than it states is a warning.
+  /// learnt of their noise; one that is much rougher than it states is a warning. `stamps`: how theirs stand
+  /// to the others'; one that does not agree is a warning.
   void diagnose(sightline::core::Time now, std::size_t waiting,
                 diagnostic_updater::DiagnosticStatusWrapper& status,
                 const std::vector<sightline::core::WatchedSensor>& watched = {},
-                const std::vector<sightline::core::CalibratedSensor>& calibrated = {});
+                const std::vector<sightline::core::CalibratedSensor>& calibrated = {},
+                const std::vector<sightline::core::WatchedStamps>& stamps = {});
 
  private:
   struct Sensor {
@@ -53,6 +60,8 @@ class LocalTrackerHealth {
     std::uint64_t scans_before = 0;  // at the last diagnosis
     sightline::core::Time last_scan{};
     sightline::core::Time last_sighting{};
+    std::map<std::string, std::uint64_t> drops;  // scans, by reason
+    sightline::core::RecentValues latency;       // from stamp to arrival
   };
   struct Counted {
     std::uint64_t count = 0;
@@ -61,6 +70,8 @@ class LocalTrackerHealth {
     std::optional<sightline::core::Time> last_warning;
   };
 
+  void addSensor(const std::string& name, const Sensor& sensor, sightline::core::Time now, double elapsed,
+                 diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void summarize(sightline::core::Time now, diagnostic_updater::DiagnosticStatusWrapper& status) const;
   std::string latestDrops() const;
 

@@ -23,10 +23,14 @@ class RecordedTransforms {
   /// Makes everything stamped up to `time` available.
   void advanceTo(sightline::core::Time time);
 
+  /// Back to before the first: for a recording whose stamps go back.
+  void rewind();
+
   const tf2::BufferCore& buffer() const { return buffer_; }
 
  private:
   tf2::BufferCore buffer_;
+  std::vector<geometry_msgs::TransformStamped> fixed_;
   std::vector<geometry_msgs::TransformStamped> moving_;  // by stamp
   std::size_t next_ = 0;
 };

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace sightline_ros {
 
@@ -23,6 +24,7 @@ struct ReplaySummary {
   double recorded = 0.0;                      ///< from the first scan to the last [s]
   std::map<std::string, std::size_t> drops;   ///< "tracker: reason" to how often
   std::map<std::string, std::string> topics;  ///< sensor to its topic, where that is not simply its name
+  std::vector<std::string> notices;           ///< of stamps that jump
 };
 
 /// Runs the local trackers and the fusion over a recording: one tracker for each sensor
@@ -31,8 +33,10 @@ struct ReplaySummary {
 /// these is copied to `out`.
 ///
 /// Scans are followed in the order of their stamps, however they arrived within `max_lag`; one that arrives
-/// later is dropped. The same input and configuration give the same messages, byte for byte. Throws
-/// ParamError or std::runtime_error; `out` is only there when all went well.
+/// later is dropped. Where the stamps of all sensors go back (a recording of a loop), everything starts anew;
+/// a sensor whose stamps alone step is left out until they agree with the others' again. The same input and
+/// configuration give the same messages, byte for byte. Throws ParamError or std::runtime_error; `out` is
+/// only there when all went well.
 ReplaySummary replay(const std::string& in, const std::string& out, const ReplaySettings& settings);
 
 }  // namespace sightline_ros
