@@ -16,6 +16,8 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -27,6 +29,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "sightline/core/assignment.h"
 #include "sightline/core/random_stream.h"
 #include "sightline/core/spot_detector.h"
 
@@ -178,6 +181,39 @@ std::multimap<int, Box> readBoxes(const std::string& file) {
   return boxes;
 }
 
+/// Numbers the boxes of a clip so that a target keeps its number: the labels have none.
+class TargetNumbers {
+ public:
+  /// For each box of a frame the number of its target, from 1 on.
+  std::vector<int> of(const std::vector<Box>& boxes, int frame) {
+    constexpr int kForgotten = 15;      // frames without its box after which a target is gone
+    constexpr double kFarthest = 12.0;  // [px] between boxes of one target
+    for (auto target = last_.begin(); target != last_.end();)
+      target = frame - target->second.frame > kForgotten ? last_.erase(target) : std::next(target);
+    std::vector<int> known;
+    for (const auto& [number, seen] : last_) known.push_back(number);
+    Eigen::MatrixXd cost(boxes.size(), known.size());
+    for (Eigen::Index i = 0; i < cost.rows(); ++i)
+      for (Eigen::Index j = 0; j < cost.cols(); ++j) {
+        const double distance = (boxes[i].centre() - last_.at(known[j]).centre).norm();
+        cost(i, j) = distance <= kFarthest ? distance : std::numeric_limits<double>::infinity();
+      }
+    std::vector<int> numbers;
+    for (const int j : core::assign(cost)) numbers.push_back(j >= 0 ? known[j] : ++newest_);
+    for (std::size_t i = 0; i < boxes.size(); ++i) last_[numbers[i]] = {boxes[i].centre(), frame};
+    return numbers;
+  }
+
+ private:
+  struct Seen {
+    Eigen::Vector2d centre;  // [px]
+    int frame = 0;
+  };
+
+  std::map<int, Seen> last_;  // by number
+  int newest_ = 0;
+};
+
 struct ClipFigures {
   int frames = 0, boxes = 0, seen = 0, false_spots = 0;
   std::vector<double> errors;  // distance of the spot from the box's centre [px]
@@ -228,6 +264,7 @@ ClipFigures runClip(const std::string& folder, const std::string& name, const Sp
     truth << "time,target,azimuth,elevation\n";
   }
   ClipFigures figures;
+  TargetNumbers numbers;
   cv::Mat frame, grey;
   cv::Mat pixels;
   for (int number = 1; video.read(frame); ++number) {
@@ -265,9 +302,10 @@ ClipFigures runClip(const std::string& folder, const std::string& name, const Sp
       sightings << std::to_string(time) << ",infrared," << angles.x() << ',' << angles.y() << ',' << sigma.x()
                 << ',' << sigma.y() << ',' << number << '\n';
     }
+    const std::vector<int> targets = numbers.of(here, number);
     for (std::size_t i = 0; i < here.size(); ++i) {
       const Eigen::Vector2d angles = anglesOfPixel(here[i].centre());
-      truth << std::to_string(time) << ',' << i + 1 << ',' << angles.x() << ',' << angles.y() << '\n';
+      truth << std::to_string(time) << ',' << targets[i] << ',' << angles.x() << ',' << angles.y() << '\n';
     }
     if (number == 60 || number == 150 || number == 240)
       cv::imwrite(out + "/" + name + "_" + std::to_string(number) + ".png", picture(grey, spots, here));

@@ -10,6 +10,7 @@
 #include "sightline/core/innovation_statistics.h"
 #include "sightline/ros/bags.h"
 #include "sightline/ros/conversions.h"
+#include "sightline/ros/evaluation_csv.h"
 #include "sightline/ros/evaluation_text.h"
 #include "sightline/ros/judgement_files.h"
 #include "sightline/ros/recorded_truth.h"
@@ -47,6 +48,21 @@ std::string innovationTable(const Innovations& innovations) {
          "NIS: mean squared innovation over its covariance and dimension, 1 for an honest prediction.\n";
 }
 
+/// A row for each topic of tracks and each sensor whose sightings it took: residuals, and the tracks' spans.
+std::vector<core::EvaluationRow> residualRows(const ResidualComparison& comparison) {
+  std::vector<core::EvaluationRow> rows;
+  for (const auto& [name, topic] : comparison.topics()) {
+    for (core::EvaluationRow row : topic.evaluation.rows()) {
+      row.topic = name;
+      row.tracks = topic.spans.tracks();
+      row.coverage = topic.spans.coverage();
+      row.breaks = topic.spans.breaks();
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
 std::string residualTable(const ResidualComparison& comparison) {
   std::vector<Cells> table = {
       {"sightings about tracks", "samples", "rms [rad]", "rms/sigma", "stated sigma [rad]", "on no track"}};
@@ -74,6 +90,10 @@ std::string spanTable(const ResidualComparison& comparison) {
          "second.\n";
 }
 
+std::string tableIn(const std::string& folder) {
+  return folder.empty() ? "" : folder + "/evaluation.csv";
+}
+
 std::string notesOn(const std::map<std::string, std::size_t>& counts, const std::string& what) {
   std::string notes;
   for (const auto& [reason, count] : counts)
@@ -91,7 +111,7 @@ auto collecting(Innovations& innovations) {
 
 std::string compareWithTruth(RecordingReader& reader, const RecordedTruth& truth,
                              const std::string& truth_topic, const core::EvaluationParams& params,
-                             const core::JudgementListener& listener) {
+                             const core::JudgementListener& listener, const std::string& csv) {
   TruthComparison comparison(truth, params, listener);
   Innovations innovations;
   reader.read({[&](const std::string& topic, core::Scan scan) { comparison.addScan(topic, std::move(scan)); },
@@ -100,14 +120,17 @@ std::string compareWithTruth(RecordingReader& reader, const RecordedTruth& truth
                },
                collecting(innovations)});
   const bool own_truths = truth.motions.size() > 1;
-  return evaluationTable(comparison.rows(), comparison.bestSigma(), {true, true}) +
-         (own_truths ? "sigma: stated by the sensor whose truth it is.\n" : "") +
+  const std::vector<core::EvaluationRow> rows = comparison.rows();
+  const std::vector<core::TargetRow> targets = comparison.targetRows();
+  if (!csv.empty()) writeEvaluationCsv(csv, rows, targets);
+  return evaluationTable(rows, comparison.bestSigma(), {true, true}) + livesTable(rows) +
+         targetTable(targets) + (own_truths ? "sigma: stated by the sensor whose truth it is.\n" : "") +
          innovationTable(innovations) +
          notesOn(comparison.withoutTruth(), "messages of sensors without a truth on");
 }
 
 std::string compareWithSightings(RecordingReader& reader, const core::EvaluationParams& params,
-                                 const core::JudgementListener& listener) {
+                                 const core::JudgementListener& listener, const std::string& csv) {
   ResidualComparison comparison(params, listener);
   Innovations innovations;
   bool has_truth = false;
@@ -122,6 +145,7 @@ std::string compareWithSightings(RecordingReader& reader, const core::Evaluation
     comparison.addScan(topic, scan);
   };
   reader.read(second_pass);
+  if (!csv.empty()) writeEvaluationCsv(csv, residualRows(comparison), {});
   return residualTable(comparison) + spanTable(comparison) + innovationTable(innovations) +
          (has_truth ? "There is a truth in this recording: compare with it by --truth /truth\n" : "");
 }
@@ -131,19 +155,19 @@ std::string compareWithSightings(RecordingReader& reader, const core::Evaluation
 std::string evaluateBag(const std::string& file, const BagEvaluationSettings& settings) {
   const auto bag = openBag(file);
   std::optional<JudgementFiles> files;
-  if (!settings.plots.empty()) files.emplace(settings.plots);
+  if (!settings.csv.empty()) files.emplace(settings.csv);
   const core::JudgementListener listener = files ? files->listener() : core::JudgementListener{};
 
   std::string report;
   if (settings.truth.empty()) {
     RecordingReader reader(*bag, trackingFrameOf(*bag));
-    report = compareWithSightings(reader, settings.evaluation, listener);
+    report = compareWithSightings(reader, settings.evaluation, listener, tableIn(settings.csv));
     return report + notesOn(reader.leftOut(), "messages left out on");
   }
   const core::EvaluationParams& params = settings.evaluation;
   const RecordedTruth truth = readTruth(settings.truth, *bag, params.channels, params.truth_gap);
   RecordingReader reader(*bag, truth.frame.empty() ? trackingFrameOf(*bag) : truth.frame);
-  report = compareWithTruth(reader, truth, settings.truth, params, listener);
+  report = compareWithTruth(reader, truth, settings.truth, params, listener, tableIn(settings.csv));
   return report + notesOn(reader.leftOut(), "messages left out on");
 }
 

@@ -46,6 +46,44 @@ sightline::EvaluationRow toMessage(const core::EvaluationRow& row) {
   message.breaks = row.breaks;
   message.id_switches = row.id_switches;
   message.unmatched = row.unmatched;
+  message.gospa = row.gospa.distance();
+  message.gospa_localisation = row.gospa.localisationCost();
+  message.gospa_missed = row.gospa.missedCost();
+  message.gospa_false = row.gospa.extraCost();
+  message.ospa = row.ospa;
+  message.tracks = row.tracks;
+  message.false_tracks = row.false_tracks;
+  message.false_tracks_per_hour = row.false_tracks_per_hour;
+  message.purity = row.purity;
+  message.completeness = row.completeness;
+  message.appearances = row.appearances;
+  message.never_confirmed = row.never_confirmed;
+  message.confirm_median = row.confirm_median;
+  message.confirm_worst = row.confirm_worst;
+  return message;
+}
+
+sightline::EvaluationTarget toMessage(const core::TargetRow& row) {
+  sightline::EvaluationTarget message;
+  message.topic = row.topic;
+  message.name = row.name;
+  message.target = row.target;
+  message.samples = row.samples;
+  message.rmse = row.rmse;
+  message.rate_rmse = row.rate_rmse;
+  message.anees_position = row.anees_position;
+  message.anees_state = row.anees_state;
+  message.coverage = row.coverage;
+  message.breaks = row.breaks;
+  message.id_switches = row.id_switches;
+  return message;
+}
+
+sightline::Evaluation toMessage(const core::Evaluation& evaluation) {
+  sightline::Evaluation message;
+  if (const auto newest = evaluation.lastJudged()) message.header.stamp = toRos(*newest);
+  for (const core::EvaluationRow& row : evaluation.rows()) message.rows.push_back(toMessage(row));
+  for (const core::TargetRow& row : evaluation.targetRows()) message.targets.push_back(toMessage(row));
   return message;
 }
 

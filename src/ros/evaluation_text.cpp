@@ -43,6 +43,10 @@ const char* headingOf(EvaluationRow::Kind kind) {
   }
 }
 
+std::string percent(double share) {
+  return std::isnan(share) ? "-" : decimals(100.0 * share, 1) + " %";
+}
+
 std::string anees(double value, double degrees, bool with_band) {
   return with_band ? withBand(value, degrees) : decimals(value, 2);
 }
@@ -63,7 +67,7 @@ Cells cellsOf(const EvaluationRow& row, const std::vector<EvaluationRow>& rows, 
           readable(row.rate_rmse),
           anees(row.anees_position, degrees, with_bands),
           anees(row.anees_state, 2.0 * degrees, with_bands),
-          std::isnan(row.coverage) ? "-" : decimals(100.0 * row.coverage, 1) + " %",
+          percent(row.coverage),
           has_tracks ? std::to_string(row.breaks) : "-",
           has_tracks ? std::to_string(row.id_switches) : "-",
           std::to_string(row.unmatched)};
@@ -88,16 +92,23 @@ std::string errorTable(const std::vector<EvaluationRow>& rows, bool with_bands) 
   return alignedTable(table);
 }
 
+std::vector<EvaluationRow> tracksOf(const std::vector<EvaluationRow>& rows) {
+  std::vector<EvaluationRow> tracks;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(tracks), [](const EvaluationRow& row) {
+    return row.kind != EvaluationRow::Kind::sightings && wasHeard(row);
+  });
+  return tracks;
+}
+
 /// With a warning where the cutoff cuts into the errors of good tracks.
 std::string gospaTable(const std::vector<EvaluationRow>& rows, double best_sigma) {
-  std::vector<EvaluationRow> tracks;
-  std::copy_if(rows.begin(), rows.end(), std::back_inserter(tracks),
-               [](const EvaluationRow& row) { return row.kind != EvaluationRow::Kind::sightings; });
+  const std::vector<EvaluationRow> tracks = tracksOf(rows);
   if (tracks.empty()) return "";
   const core::GospaParams& params = tracks.front().gospa.params();
   std::vector<Cells> table = {
       {"GOSPA, c = " + readable(params.cutoff) + " rad, p = " + readable(params.order), "reports",
-       "mean [rad]", "a pair [rad]", "missed", "false"}};
+       "mean [rad]", "a pair [rad]", "missed", "false", "cost of pairs", "of missed", "of false",
+       "OSPA [rad]"}};
   addGroups(
       tracks,
       [](const EvaluationRow& row) -> Cells {
@@ -106,7 +117,11 @@ std::string gospaTable(const std::vector<EvaluationRow>& rows, double best_sigma
                 readable(row.gospa.distance()),
                 readable(row.gospa.localisation()),
                 decimals(row.gospa.missed(), 4),
-                decimals(row.gospa.extra(), 4)};
+                decimals(row.gospa.extra(), 4),
+                readable(row.gospa.localisationCost()),
+                readable(row.gospa.missedCost()),
+                readable(row.gospa.extraCost()),
+                readable(row.ospa)};
       },
       table);
   const bool is_tight = params.cutoff < kSigmasOfCutoff * best_sigma;
@@ -192,6 +207,46 @@ std::string evaluationTable(const std::vector<EvaluationRow>& rows, double best_
                             const EvaluationTableStyle& style) {
   if (!style.gospa) return errorTable(rows, style.bands) + notesOn(rows, best_sigma, style);
   return errorTable(rows, style.bands) + gospaTable(rows, best_sigma) + notesOn(rows, best_sigma, style);
+}
+
+std::string livesTable(const std::vector<EvaluationRow>& rows) {
+  const std::vector<EvaluationRow> tracks = tracksOf(rows);
+  if (tracks.empty()) return "";
+  std::vector<Cells> table = {{"", "appearances", "never confirmed", "confirmed after [s]", "at most [s]",
+                               "completeness", "tracks", "false", "false/h", "purity"}};
+  addGroups(
+      tracks,
+      [](const EvaluationRow& row) -> Cells {
+        return {"  " + row.topic,
+                std::to_string(row.appearances),
+                std::to_string(row.never_confirmed),
+                decimals(row.confirm_median, 3),
+                decimals(row.confirm_worst, 3),
+                decimals(row.completeness, 3),
+                std::to_string(row.tracks),
+                std::to_string(row.false_tracks),
+                readable(row.false_tracks_per_hour),
+                decimals(row.purity, 3)};
+      },
+      table);
+  return "\n" + alignedTable(table) +
+         "Completeness: share of a target's time with its most usual track; purity: of a track's on its most "
+         "usual "
+         "target.\n"
+         "False: on any target in less than half of its reports.\n";
+}
+
+std::string targetTable(const std::vector<core::TargetRow>& rows) {
+  if (rows.empty()) return "";
+  std::vector<Cells> table = {{"each target", "samples", "RMSE [rad]", "rates [rad/s]", "ANEES pos.",
+                               "ANEES state", "coverage", "breaks", "ID changes"}};
+  for (const core::TargetRow& row : rows) {
+    table.push_back({"  " + row.topic + " " + std::to_string(row.target), std::to_string(row.samples),
+                     readable(row.rmse), readable(row.rate_rmse), decimals(row.anees_position, 2),
+                     decimals(row.anees_state, 2), percent(row.coverage), std::to_string(row.breaks),
+                     std::to_string(row.id_switches)});
+  }
+  return "\n" + alignedTable(table);
 }
 
 std::string liveSummary(const std::vector<EvaluationRow>& rows, double best_sigma, double elapsed) {

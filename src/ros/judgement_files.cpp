@@ -35,7 +35,7 @@ JudgementFiles::JudgementFiles(const std::string& folder) {
   gospa_ = opened(std::filesystem::path(folder) / "gospa.csv");
   errors_ << "topic,name,time,target,track,azimuth,elevation,truth_azimuth,truth_elevation,error_azimuth,"
              "error_elevation,sigma_azimuth,sigma_elevation,nees_position,nees_state\n";
-  gospa_ << "topic,time,distance,localisation,missed,false\n";
+  gospa_ << "topic,time,distance,localisation,missed,false,ospa\n";
 }
 
 core::JudgementListener JudgementFiles::listener() {
@@ -55,7 +55,8 @@ void JudgementFiles::write(const core::JudgedPair& pair) {
 void JudgementFiles::write(const core::JudgedReport& report) {
   const core::Gospa& gospa = report.gospa;
   gospa_ << report.topic << ',' << secondsOf(report.time) << ',' << gospa.distance << ','
-         << gospa.localisation << ',' << gospa.missed << ',' << gospa.extra << '\n';
+         << gospa.localisation << ',' << gospa.missed << ',' << gospa.extra << ',' << report.ospa.distance
+         << '\n';
 }
 
 }  // namespace sightline_ros

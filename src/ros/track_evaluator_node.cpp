@@ -1,6 +1,8 @@
 #include "sightline/ros/track_evaluator_node.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <iostream>
 #include <sstream>
@@ -37,10 +39,24 @@ std::vector<std::string> ofSixSensors(const std::string& last) {
   return topics;
 }
 
+/// A table that cannot be written is said before the run that it would be lost with.
+void checkWritable(const ParamReader& reader, const std::string& table_file) {
+  if (table_file.empty() || std::ofstream(table_file, std::ios::app)) return;
+  throw reader.error("table_file", "expected a file that can be written, got \"" + table_file + "\" (" +
+                                       std::strerror(errno) +
+                                       "): name a folder that is there, with its full path");
+}
+
 TrackEvaluatorParams loadAll(const ParamReader& reader) {
   TrackEvaluatorParams params = loadTrackEvaluatorParams(reader);
   reader.finish();
+  checkWritable(reader, params.table_file);
   return params;
+}
+
+bool haveSeveralTargets(const std::vector<core::TargetRow>& rows) {
+  return std::any_of(rows.begin(), rows.end(),
+                     [&rows](const core::TargetRow& row) { return row.target != rows.front().target; });
 }
 
 }  // namespace
@@ -164,10 +180,8 @@ double TrackEvaluatorNode::elapsed() const {
 }
 
 void TrackEvaluatorNode::everySecond() {
-  sightline::Evaluation message;
-  if (const auto newest = evaluation_.lastJudged()) message.header.stamp = toRos(*newest);
+  sightline::Evaluation message = toMessage(evaluation_);
   message.header.frame_id = params_.frames.tracking_frame;
-  for (const core::EvaluationRow& row : evaluation_.rows()) message.rows.push_back(toMessage(row));
   publisher_.publish(message);
   if (params_.live) printLive();
 }
@@ -181,17 +195,28 @@ void TrackEvaluatorNode::printLive() {
   std::cout << summary << std::flush;
 }
 
-void TrackEvaluatorNode::printTable() const {
+std::string TrackEvaluatorNode::table() const {
+  const std::vector<core::EvaluationRow> rows = evaluation_.rows();
+  const std::vector<core::TargetRow> targets = evaluation_.targetRows();
+  EvaluationTableStyle style;
+  style.gospa = haveSeveralTargets(targets);
   std::ostringstream table;
   table << "\nEvaluation of " << readable(elapsed()) << " s\n"
-        << evaluationTable(evaluation_.rows(), evaluation_.bestSigma());
+        << evaluationTable(rows, evaluation_.bestSigma(), style) << livesTable(rows)
+        << (style.gospa ? targetTable(targets) : "");
   for (const auto& [reason, count] : dropped_)
     table << "dropped " << count << " messages on " << reason << "\n";
-  if (params_.table_file.empty()) {
-    std::cout << table.str() << std::flush;
-  } else {
-    std::ofstream(params_.table_file) << table.str();
+  return table.str();
+}
+
+void TrackEvaluatorNode::printTable() const {
+  const std::string text = table();
+  if (!params_.table_file.empty()) {
+    std::ofstream file(params_.table_file);
+    if (file << text << std::flush) return;
+    std::cerr << params_.table_file << ": the table cannot be written there, it comes here instead\n";
   }
+  std::cout << text << std::flush;
 }
 
 }  // namespace sightline_ros

@@ -59,6 +59,15 @@ std::vector<core::EvaluationRow> TruthComparison::rows() const {
   return all;
 }
 
+std::vector<core::TargetRow> TruthComparison::targetRows() const {
+  std::vector<core::TargetRow> all;
+  for (const auto& [sensor, evaluation] : by_sensor_) {
+    const auto rows = evaluation.targetRows();
+    all.insert(all.end(), rows.begin(), rows.end());
+  }
+  return all;
+}
+
 double TruthComparison::bestSigma() const {
   return by_sensor_.size() == 1 ? by_sensor_.begin()->second.bestSigma()
                                 : std::numeric_limits<double>::quiet_NaN();

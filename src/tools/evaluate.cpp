@@ -18,9 +18,11 @@ using sightline_ros::UsageError;
 
 const char* const kUsage =
     "Usage: evaluate [--truth TOPIC_OR_CSV] [options] OUT.bag\n"
-    "Says how good the tracks of a recording are: RMSE, ANEES with its 95 % band, GOSPA, breaks and changes "
-    "of identity\n"
-    "of every TrackArray topic. Without --truth, how the sightings lie about the tracks, and how long these "
+    "Says how good the tracks of a recording are: RMSE, ANEES with its 95 % band, GOSPA, OSPA, breaks, "
+    "changes "
+    "of identity,\n"
+    "time to confirm, false tracks, of every TrackArray topic and target. Without --truth, how the sightings "
+    "lie about the tracks, and how long these "
     "live.\n"
     "  --truth TOPIC_OR_CSV   a TrackArray topic of the bag, or a file with a header line and the columns "
     "time,azimuth\n"
@@ -35,9 +37,12 @@ const char* const kUsage =
     "coarsest sensor)\n"
     "  --sighting-gate N      largest distance of a target's sighting in stated sigmas (default 6)\n"
     "  --sighting-floor RAD   within which a sighting is a target's whatever sigma it states (default 0)\n"
-    "  --gospa-c RAD          cutoff of GOSPA, whose order is 2 (default 0.01)\n"
-    "  --plots DIR            pictures of errors, consistency and GOSPA over time, and what is drawn as CSV "
-    "files\n";
+    "  --gospa-c RAD          cutoff of GOSPA and OSPA, whose order is 2 (default 0.01)\n"
+    "  --csv DIR              what was compared and found, as CSV files: evaluation.csv (every figure, a "
+    "line "
+    "for each\n"
+    "                         topic, and for each of its targets), errors.csv, gospa.csv\n"
+    "  --plots DIR            the same, and pictures of errors, consistency and GOSPA over time\n";
 
 /// Whether the flag is there; takes it out.
 bool takeFlag(std::vector<std::string>& words, const std::string& flag) {
@@ -89,15 +94,19 @@ void draw(const std::string& folder) {
 void evaluate(const std::vector<std::string>& all_words) {
   std::vector<std::string> words = all_words;
   const bool azimuth_only = takeFlag(words, "--azimuth-only"), no_truth = takeFlag(words, "--no-truth");
-  const sightline_ros::CommandLine line(words,
-                                        {"--truth", "--settle", "--truth-gap", "--match-gate",
-                                         "--sighting-gate", "--sighting-floor", "--gospa-c", "--plots"},
-                                        1, 1);
+  const sightline_ros::CommandLine line(
+      words,
+      {"--truth", "--settle", "--truth-gap", "--match-gate", "--sighting-gate", "--sighting-floor",
+       "--gospa-c", "--csv", "--plots"},
+      1, 1);
   if (no_truth && line.has("--truth")) throw UsageError("--truth and --no-truth exclude each other");
 
   sightline_ros::BagEvaluationSettings settings;
   settings.truth = line.option("--truth", "");
-  settings.plots = line.option("--plots", "");
+  const std::string plots = line.option("--plots", "");
+  if (!plots.empty() && line.has("--csv"))
+    throw UsageError("--plots DIR writes the files of --csv as well: give one");
+  settings.csv = line.option("--csv", plots);
   auto& params = settings.evaluation;
   if (azimuth_only) params.channels = sightline::core::Channels::azimuth_only;
   params.settle_time = number(line, "--settle", params.settle_time);
@@ -108,7 +117,7 @@ void evaluate(const std::vector<std::string>& all_words) {
   params.gospa.cutoff = number(line, "--gospa-c", params.gospa.cutoff, true);
 
   std::cout << sightline_ros::evaluateBag(line.arguments()[0], settings);
-  if (!settings.plots.empty()) draw(settings.plots);
+  if (!plots.empty()) draw(plots);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -272,7 +273,7 @@ TEST(BagEvaluation, SaysWhatIsMissing) {
 TEST(BagEvaluation, WritesWhatItComparedForPlots) {
   const ScratchFolder folder;
   BagEvaluationSettings settings = withTruth("/truth");
-  settings.plots = folder.file("plots");
+  settings.csv = folder.file("plots");
   evaluateBag(makeBag(folder), settings);
   std::ifstream errors(folder.file("plots") + "/errors.csv"), gospa(folder.file("plots") + "/gospa.csv");
   const auto count = [](std::ifstream& stream) {
@@ -284,17 +285,90 @@ TEST(BagEvaluation, WritesWhatItComparedForPlots) {
   EXPECT_EQ(count(gospa), 1 + 2 * kInstants);
 }
 
+/// Lines of a CSV file as cells by name of the column.
+std::vector<std::map<std::string, std::string>> tableOf(const std::string& path) {
+  const auto cellsOf = [](const std::string& line) {
+    std::vector<std::string> cells(1);
+    for (const char letter : line) letter == ',' ? cells.emplace_back() : cells.back() += letter;
+    return cells;
+  };
+  std::ifstream stream(path);
+  std::string line;
+  std::getline(stream, line);
+  const std::vector<std::string> names = cellsOf(line);
+  std::vector<std::map<std::string, std::string>> rows;
+  while (std::getline(stream, line)) {
+    const std::vector<std::string> cells = cellsOf(line);
+    EXPECT_EQ(cells.size(), names.size()) << line;
+    rows.emplace_back();
+    for (std::size_t i = 0; i < std::min(cells.size(), names.size()); ++i) rows.back()[names[i]] = cells[i];
+  }
+  return rows;
+}
+
+TEST(BagEvaluation, WritesWhatItFoundForPrograms) {
+  const ScratchFolder folder;
+  RecordingOptions options;
+  options.lost = 40;
+  options.found = 60;
+  BagEvaluationSettings settings = withTruth("/truth");
+  settings.csv = folder.file("csv");
+  const std::string report = evaluateBag(makeBag(folder, options), settings);
+  auto rows = tableOf(folder.file("csv") + "/evaluation.csv");
+  ASSERT_EQ(rows.size(), 5u);  // sightings, two trackers, and the target of each of these
+  EXPECT_EQ(rows[0]["kind"], "sightings");
+  EXPECT_EQ(rows[0]["confirm_median"], "");
+  EXPECT_EQ(rows[1]["topic"], "/sensors/cam/tracks");
+  EXPECT_EQ(rows[1]["target"], "");
+  EXPECT_EQ(rows[1]["tracks"], "2");
+  EXPECT_EQ(rows[1]["false_tracks"], "0");
+  EXPECT_EQ(rows[1]["purity"], "1");
+  EXPECT_NEAR(std::stod(rows[1]["completeness"]), 41.0 / 101.0, 1e-6);  // the longer one from instant 60 on
+  EXPECT_NEAR(std::stod(rows[1]["judged_time"]), 5.0, 1e-6);
+  EXPECT_NEAR(std::stod(rows[1]["confirm_worst"]), 0.0, 1e-6);
+  EXPECT_EQ(rows[3]["kind"], "target");
+  EXPECT_EQ(rows[3]["target"], "1");
+  EXPECT_EQ(rows[3]["breaks"], "1");
+  EXPECT_NEAR(std::stod(rows[3]["rmse"]), 0.005 / std::sqrt(2.0), 1e-6);
+  EXPECT_EQ(rows[3]["purity"], "");
+  EXPECT_EQ(wordsAfter(report, "completeness", "/sensors/cam/tracks")[6], "2");  // tracks
+  EXPECT_EQ(wordsAfter(report, "each target", "/sensors/cam/tracks")[1], "1");   // the target
+}
+
+TEST(BagEvaluation, WithoutATruthWritesTheResidualsForPrograms) {
+  const ScratchFolder folder;
+  RecordingOptions options;
+  options.with_truth = false;
+  BagEvaluationSettings settings;
+  settings.csv = folder.file("csv");
+  evaluateBag(makeBag(folder, options), settings);
+  auto rows = tableOf(folder.file("csv") + "/evaluation.csv");
+  ASSERT_EQ(rows.size(), 2u);  // of the fusion and of the sensor's tracker
+  EXPECT_EQ(rows[1]["topic"], "/sensors/cam/tracks");
+  EXPECT_EQ(rows[1]["name"], "cam");
+  EXPECT_EQ(rows[1]["samples"], "101");
+  EXPECT_EQ(rows[1]["tracks"], "1");
+  EXPECT_NEAR(std::stod(rows[1]["rmse"]), 0.005 / std::sqrt(2.0), 1e-6);
+}
+
+TEST(BagEvaluation, SaysThatItsFilesCannotBeWritten) {
+  const ScratchFolder folder;
+  BagEvaluationSettings settings = withTruth("/truth");
+  settings.csv = folder.write("taken", "") + "/csv";
+  EXPECT_THROW(evaluateBag(makeBag(folder), settings), std::runtime_error);
+}
+
 TEST(BagEvaluation, ThePlotsAreDrawn) {
   if (std::system("/usr/bin/python3 -c 'import matplotlib' 2>/dev/null") != 0)
     GTEST_SKIP() << "no matplotlib";
   const ScratchFolder folder;
   BagEvaluationSettings settings = withTruth("/truth");
-  settings.plots = folder.file("plots");
+  settings.csv = folder.file("plots");
   evaluateBag(makeBag(folder), settings);
   const std::string script = std::string(SIGHTLINE_SOURCE_DIR) + "/scripts/plot_evaluation ";
-  ASSERT_EQ(std::system(("/usr/bin/python3 " + script + settings.plots + " >/dev/null").c_str()), 0);
+  ASSERT_EQ(std::system(("/usr/bin/python3 " + script + settings.csv + " >/dev/null").c_str()), 0);
   for (const char* name : {"overview.png", "comparison.png", "gospa.png", "errors_sensors_cam_tracks.png"}) {
-    EXPECT_GT(std::filesystem::file_size(settings.plots + "/" + name), 1000u) << name;
+    EXPECT_GT(std::filesystem::file_size(settings.csv + "/" + name), 1000u) << name;
   }
 }
 

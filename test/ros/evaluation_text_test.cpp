@@ -107,11 +107,13 @@ TEST(EvaluationTable, GospaHasALineForEachTracker) {
   gospa.localisation = 0.0004;
   gospa.assigned = gospa.missed = 1;
   row.gospa.add(gospa);
+  row.ospa = 0.0012;
   const std::string table = evaluationTable({sightings(), row}, 0.08, {false, true});
   const std::string below = table.substr(table.find("GOSPA"));
   EXPECT_NE(below.find("c = 0.01 rad, p = 2"), std::string::npos);
   EXPECT_EQ(wordsOf(lineWith(below, "left/tracks")),
-            (std::vector<std::string>{"/sensors/left/tracks", "1", "0.00154", "0.0004", "1.0000", "0.0000"}));
+            (std::vector<std::string>{"/sensors/left/tracks", "1", "0.00154", "0.0004", "1.0000", "0.0000",
+                                      "0.0004", "0.007071", "0", "0.0012"}));  // 0.01 sqrt(1 / 2)
   EXPECT_EQ(below.find("/sensors/left/sightings"), std::string::npos);
   EXPECT_NE(below.find("below three sigmas"), std::string::npos);
   EXPECT_EQ(evaluationTable({row}, 0.001, {false, true}).find("below three sigmas"), std::string::npos);
@@ -134,6 +136,47 @@ TEST(EvaluationTable, SensorsThatShareATopicAreToldApart) {
   const std::string table = evaluationTable({sightings(), other}, 0.08);
   lineWith(table, "/sensors/left/sightings (left)");
   lineWith(table, "/sensors/left/sightings (right)");
+}
+
+TEST(LivesTable, SaysWhatBecameOfTargetsAndTracks) {
+  EvaluationRow row = tracks();
+  row.appearances = 12;
+  row.never_confirmed = 1;
+  row.confirm_median = 0.4;
+  row.confirm_worst = 1.25;
+  row.completeness = 0.9;
+  row.tracks = 14;
+  row.false_tracks = 2;
+  row.false_tracks_per_hour = 7.2;
+  row.purity = 0.99;
+  EvaluationRow silent = tracks();
+  silent.topic = "/silent/tracks";
+  silent.name = "";
+  const std::string table = livesTable({sightings(), row, silent});
+  EXPECT_EQ(wordsOf(lineWith(table, "left/tracks")),
+            (std::vector<std::string>{"/sensors/left/tracks", "12", "1", "0.400", "1.250", "0.900", "14", "2",
+                                      "7.2", "0.990"}));
+  EXPECT_EQ(table.find("sightings"), std::string::npos);
+  EXPECT_EQ(table.find("silent"), std::string::npos);
+  EXPECT_EQ(livesTable({sightings()}), "");
+}
+
+TEST(TargetTable, HasALineForEachTarget) {
+  sightline::core::TargetRow row;
+  row.topic = "/sensors/left/tracks";
+  row.target = 7;
+  row.samples = 50;
+  row.rmse = 0.001;
+  row.rate_rmse = kNaN;
+  row.anees_position = 1.05;
+  row.anees_state = 0.95;
+  row.coverage = 0.5;
+  row.breaks = 2;
+  row.id_switches = 1;
+  EXPECT_EQ(wordsOf(lineWith(targetTable({row}), "left/tracks")),
+            (std::vector<std::string>{"/sensors/left/tracks", "7", "50", "0.001", "-", "1.05", "0.95", "50.0",
+                                      "%", "2", "1"}));
+  EXPECT_EQ(targetTable({}), "");
 }
 
 TEST(LiveSummary, HasALineForEachTrackerInDegreesAndSigmas) {

@@ -267,6 +267,22 @@ TEST_F(TrackEvaluator, PublishesTheErrorsThatWereMade) {
   EXPECT_NEAR(fused.rmse, 0.001 / std::sqrt(2.0), 1e-9);
   EXPECT_EQ(fused.samples, std::uint64_t(kInstants));
   EXPECT_EQ(fused.unmatched, std::uint64_t(kInstants));
+  EXPECT_EQ(fused.tracks, 2u);
+  EXPECT_EQ(fused.false_tracks, 1u);
+  EXPECT_NEAR(fused.false_tracks_per_hour, 3600.0 / (kStep * (kInstants - 1)), 1e-3);
+  EXPECT_NEAR(fused.purity, 0.5, 1e-9);
+  EXPECT_NEAR(fused.completeness, 1.0, 1e-9);
+  EXPECT_EQ(fused.appearances, 1u);
+  EXPECT_EQ(fused.never_confirmed, 0u);
+  EXPECT_NEAR(fused.confirm_worst, 0.0, 1e-9);
+  EXPECT_NEAR(fused.gospa_false, 0.01 / std::sqrt(2.0), 1e-9);  // c = 0.01 rad, one in each report
+  EXPECT_NEAR(fused.gospa_localisation, 0.001, 1e-9);
+  EXPECT_NEAR(fused.ospa, std::sqrt((1e-6 + 1e-4) / 2.0), 1e-9);
+  ASSERT_EQ(evaluation.targets.size(), 2u);
+  EXPECT_EQ(evaluation.targets[0].topic, "/sensors/level/tracks");
+  EXPECT_EQ(evaluation.targets[0].target, 1u);
+  EXPECT_NEAR(evaluation.targets[0].rmse, 0.005 / std::sqrt(2.0), 1e-9);
+  EXPECT_EQ(evaluation.targets[1].coverage, 1.0);
   EXPECT_EQ(evaluation.header.frame_id, "platform_enu");
 }
 
@@ -301,6 +317,14 @@ TEST_F(TrackEvaluator, RefusesAParameterThatNobodyKnows) {
   nh_.setParam("/wrong/durations", 3.0);
   Child child("wrong");
   ASSERT_TRUE(child.readUntil());
+  EXPECT_EQ(child.exitCode(), 1);
+}
+
+TEST_F(TrackEvaluator, RefusesATableFileThatCannotBeWritten) {
+  configureChild("/unwritable", false, 0.0);
+  nh_.setParam("/unwritable/table_file", "/no/such/folder/table.txt");
+  Child child("unwritable");
+  ASSERT_TRUE(child.readUntil()) << "it runs, and would lose its table";
   EXPECT_EQ(child.exitCode(), 1);
 }
 

@@ -9,7 +9,7 @@ namespace sightline_ros {
 struct BagEvaluationSettings {
   std::string truth;  ///< TrackArray topic of the bag, or CSV file; empty = compare with the sightings
   sightline::core::EvaluationParams evaluation;
-  std::string plots;  ///< folder for what is compared, as CSV files; empty = none
+  std::string csv;  ///< folder for what was compared and found, as CSV files; empty = none
 };
 
 /// Evaluates every TrackArray topic of a bag, and says what was found.

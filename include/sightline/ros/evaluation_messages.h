@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include <sightline/EvaluationRow.h>
+#include <sightline/Evaluation.h>
 #include <sightline/TrackArray.h>
 
 #include "sightline/core/evaluation.h"
@@ -23,5 +23,9 @@ sightline::core::TrackReport reportOf(const sightline::TrackArray& tracks);
 bool isFused(const sightline::TrackArray& tracks);
 
 sightline::EvaluationRow toMessage(const sightline::core::EvaluationRow& row);
+sightline::EvaluationTarget toMessage(const sightline::core::TargetRow& row);
+
+/// All rows of both kinds; stamped with the time of the newest message that counted.
+sightline::Evaluation toMessage(const sightline::core::Evaluation& evaluation);
 
 }  // namespace sightline_ros

@@ -23,13 +23,20 @@ std::string withBand(double average, double degrees);
 
 struct EvaluationTableStyle {
   bool bands = false;  ///< the 95 % band of each ANEES beside it
-  bool gospa = false;  ///< a second table with GOSPA and its parts
+  bool gospa = false;  ///< a second table with GOSPA, its parts and OSPA
 };
 
 /// The table of the evaluator, with a line for each topic that was heard, and notes below it.
 /// `best_sigma`: stated sigma of the best sensor [rad], NaN = not known.
 std::string evaluationTable(const std::vector<sightline::core::EvaluationRow>& rows, double best_sigma,
                             const EvaluationTableStyle& style = {});
+
+/// What became of targets and tracks, a line for each topic of tracks that was heard: time to confirm, false
+/// tracks, purity, completeness. Empty without such topics.
+std::string livesTable(const std::vector<sightline::core::EvaluationRow>& rows);
+
+/// A line for each target and topic; empty without any.
+std::string targetTable(const std::vector<sightline::core::TargetRow>& rows);
 
 /// A block of lines, one for each tracker that was heard: how many tracks, where the first one is, and its
 /// error now. `elapsed`: since the first message [s].

@@ -11,7 +11,7 @@ namespace sightline_ros {
 ///   errors.csv   topic,name,time,target,track,azimuth,elevation,truth_azimuth,truth_elevation,error_azimuth,
 ///                error_elevation,sigma_azimuth,sigma_elevation,nees_position,nees_state   (errors are arcs
 ///                [rad])
-///   gospa.csv    topic,time,distance,localisation,missed,false
+///   gospa.csv    topic,time,distance,localisation,missed,false,ospa
 /// with what is not known left empty.
 class JudgementFiles {
  public:

@@ -36,11 +36,11 @@ struct TrackEvaluatorParams {
 /// Reads all parameters of the node. Throws ParamError.
 TrackEvaluatorParams loadTrackEvaluatorParams(const ParamReader& reader);
 
-/// Listens to /truth, sightings and tracks, publishes /evaluation once a second, and prints the table to the
-/// standard output when it ends. Ends the process after `duration` (of a nodelet: its manager).
+/// Listens to /truth, sightings and tracks, publishes /evaluation once a second, and prints the table when it
+/// ends. Ends the process after `duration` (of a nodelet: its manager).
 class TrackEvaluatorNode {
  public:
-  /// Throws ParamError.
+  /// Throws ParamError, also when the table's file cannot be written.
   TrackEvaluatorNode(ros::NodeHandle nh, ros::NodeHandle pnh);
   ~TrackEvaluatorNode();
 
@@ -65,6 +65,7 @@ class TrackEvaluatorNode {
   void endAfterDuration(std::optional<Span>& span, sightline::core::Time stamp);
   double elapsed() const;
   void printLive();
+  std::string table() const;
   void printTable() const;
 
   ros::NodeHandle nh_;

@@ -21,6 +21,9 @@ class TruthComparison {
 
   std::vector<sightline::core::EvaluationRow> rows() const;
 
+  /// One for each topic of tracks and each target.
+  std::vector<sightline::core::TargetRow> targetRows() const;
+
   /// Stated sigma of the best sensor [rad]; NaN when each is compared with a truth of its own.
   double bestSigma() const;
 
