@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "sightline/core/recent_values.h"
+#include "sightline/core/time.h"
+
+namespace sightline::core {
+
+/// How much the sightings of one target scatter, against what their covariances say, without any model of
+/// its motion: the third divided difference of four sightings that follow each other,
+///
+///   e = sum_i c_i z_i,  c_i = 1 / prod_{j != i} (t_i - t_j),  of covariance sum_i c_i^2 R_i,
+///
+/// is zero for any constant acceleration, so that over a short time only the noise is left.
+class Scatter {
+ public:
+  /// `longest`: time that four sightings may take [s]; beyond, the target's motion would count as noise.
+  explicit Scatter(double longest = 0.5) : longest_(longest) {}
+
+  /// A sighting: (azimuth, elevation) [rad], covariance [rad^2], positive definite.
+  void add(Time time, const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance);
+
+  /// The next sighting is not of the target of the last one.
+  void breakOff() { count_ = 0; }
+
+  /// Sigma of the scatter over the stated one, from the median of e^T cov(e)^-1 e, which stray sightings do
+  /// not move. None while there are fewer than 20 samples.
+  std::optional<double> ratio() const;
+
+  /// Median of the stated sigmas (root of the mean of both variances) [rad].
+  std::optional<double> statedSigma() const { return sigmas_.quantile(0.5); }
+
+  std::size_t samples() const { return distances_.size(); }
+
+ private:
+  struct Point {
+    Time time{};
+    Eigen::Vector2d angles = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  };
+
+  std::optional<double> distanceSquared() const;
+
+  double longest_;
+  std::array<Point, 4> last_;  // oldest first; the last `count_` of them count
+  int count_ = 0;
+  RecentValues distances_;
+  RecentValues sigmas_;
+};
+
+}  // namespace sightline::core

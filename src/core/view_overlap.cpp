@@ -1,0 +1,35 @@
+#include "sightline/core/view_overlap.h"
+
+#include <algorithm>
+
+#include "sightline/core/sphere.h"
+
+namespace sightline::core {
+namespace {
+
+constexpr double kSameTime = 0.3;  // [s]
+constexpr double kShare = 0.2;     // of the glimpses: the others may be false
+constexpr std::size_t kLeast = 10;
+
+}  // namespace
+
+std::optional<double> separation(const std::vector<Glimpse>& mine, const std::vector<Glimpse>& others) {
+  const Duration window = durationOf(kSameTime);
+  std::vector<double> distances;
+  auto first = others.begin();
+  for (const Glimpse& glimpse : mine) {
+    while (first != others.end() && first->time < glimpse.time - window) ++first;
+    std::optional<double> nearest;
+    for (auto other = first; other != others.end() && other->time <= glimpse.time + window; ++other) {
+      const double distance = angleBetween(glimpse.direction, other->direction);
+      nearest = std::min(nearest.value_or(distance), distance);
+    }
+    if (nearest) distances.push_back(*nearest);
+  }
+  if (distances.size() < kLeast) return std::nullopt;
+  const auto place = static_cast<std::ptrdiff_t>(kShare * static_cast<double>(distances.size()));
+  std::nth_element(distances.begin(), distances.begin() + place, distances.end());
+  return distances[static_cast<std::size_t>(place)];
+}
+
+}  // namespace sightline::core

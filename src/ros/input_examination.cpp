@@ -1,0 +1,255 @@
+#include "sightline/ros/input_examination.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+#include <Eigen/Geometry>
+
+#include <tf2/exceptions.h>
+
+#include "sightline/core/sphere.h"
+#include "sightline/ros/conversions.h"
+
+namespace sightline_ros {
+
+namespace core = sightline::core;
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr std::size_t kMostShots = 400;      // of a sensor
+constexpr std::size_t kMostSightings = 100;  // of a shot
+constexpr std::size_t kMostSources = 1000;
+constexpr double kLeastReach = 0.2;     // angle within which sensors see the same [rad] ...
+constexpr double kReachSigmas = 4.0;    // ... and so many stated sigmas
+constexpr double kAgreement = 0.02;     // angle within which another reading explains it [rad]
+constexpr double kFewTransforms = 0.9;  // share of the scans that must have theirs
+
+std::string value(double number, const char* unit) {
+  std::ostringstream text;
+  text << std::setprecision(3) << number << " " << unit;
+  return text.str();
+}
+
+std::string listOf(const std::set<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+std::optional<Eigen::Matrix3d> rotationTo(const std::string& tracking_frame, const std_msgs::Header& header,
+                                          const tf2::BufferCore& transforms) {
+  if (header.frame_id == tracking_frame) return Eigen::Matrix3d::Identity();
+  try {
+    const auto q =
+        transforms.lookupTransform(tracking_frame, header.frame_id, header.stamp).transform.rotation;
+    return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  } catch (const tf2::TransformException&) {
+    return std::nullopt;
+  }
+}
+
+Eigen::Vector2d asSent(const Eigen::Vector2d& angles) {
+  return angles;
+}
+
+/// Another way to read a sensor's angles, and what it would mean.
+struct Mistake {
+  Eigen::Vector2d (*reading)(const Eigen::Vector2d&);
+  const char* words;
+};
+
+const std::array<Mistake, 4> kMistakes{{
+    {[](const Eigen::Vector2d& a) -> Eigen::Vector2d { return a * kPi / 180.0; },
+     "read as degrees they would agree with the others': are these degrees?"},
+    {[](const Eigen::Vector2d& a) -> Eigen::Vector2d {
+       return {-a.x(), a.y()};
+     },
+     "with azimuths of the other sign they would agree with the others': they count counter-clockwise"},
+    {[](const Eigen::Vector2d& a) -> Eigen::Vector2d {
+       return {a.x(), -a.y()};
+     },
+     "with elevations of the other sign they would agree with the others': up is positive"},
+    {[](const Eigen::Vector2d& a) -> Eigen::Vector2d {
+       return {a.y(), a.x()};
+     },
+     "with azimuth and elevation exchanged they would agree with the others'"},
+}};
+
+}  // namespace
+
+void InputExamination::take(const sightline::SightingArray& scan, const std::string& topic,
+                            const std::string& publisher, core::Time arrival) {
+  const Key key(scan.sensor, topic);
+  if (sources_.size() >= kMostSources && sources_.count(key) == 0) return;
+  Source& source = sources_[key];
+  source.record.take(scan, arrival);
+  source.publishers.insert(publisher);
+  keepShot(scan, source);
+}
+
+/// Keeps some scans, evenly over the time.
+void InputExamination::keepShot(const sightline::SightingArray& scan, Source& source) {
+  if (source.record.scans() % source.every != 0) return;
+  Shot shot{scan.header, {}};
+  for (const sightline::Sighting& sighting : scan.sightings) {
+    const Eigen::Vector2d angles(sighting.azimuth, sighting.elevation);
+    if (angles.allFinite() && shot.angles.size() < kMostSightings) shot.angles.push_back(angles);
+  }
+  source.shots.push_back(std::move(shot));
+  if (source.shots.size() < kMostShots) return;
+  for (std::size_t k = 0; 2 * k < source.shots.size(); ++k) std::swap(source.shots[k], source.shots[2 * k]);
+  source.shots.resize((source.shots.size() + 1) / 2);
+  source.every *= 2;
+}
+
+void InputExamination::take(const sightline::AssociationArray& associations) {
+  for (auto& [key, source] : sources_) {
+    if (key.first != associations.sensor) continue;
+    for (const sightline::Association& association : associations.associations) {
+      if (association.decision == sightline::Association::ACCEPTED)
+        source.record.takeInnovation(association.distance_squared);
+    }
+  }
+}
+
+std::vector<InputExamination::Row> InputExamination::sensors() const {
+  std::vector<Row> rows;
+  for (const auto& [key, source] : sources_) rows.push_back({key.first, key.second, &source.record});
+  return rows;
+}
+
+std::vector<Finding> InputExamination::findings(const tf2::BufferCore& transforms,
+                                                const std::string& tracking_frame,
+                                                const InputLimits& limits) const {
+  std::vector<Finding> found;
+  for (const auto& [key, source] : sources_) {
+    for (Finding& finding : source.record.findings(subjectOf(key), limits))
+      found.push_back(std::move(finding));
+  }
+  findSharedNames(found);
+  findTransforms(transforms, tracking_frame, found);
+  findStrangers(transforms, tracking_frame, found);
+  return found;
+}
+
+std::string InputExamination::subjectOf(const Key& key) const {
+  return (key.first.empty() ? "(no name)" : key.first) + " on " + key.second;
+}
+
+void InputExamination::findSharedNames(std::vector<Finding>& found) const {
+  std::map<std::string, std::set<std::string>> topics;
+  for (const auto& [key, source] : sources_) {
+    topics[key.first].insert(key.second);
+    if (source.publishers.size() < 2) continue;
+    found.push_back({subjectOf(key), "two sensors have one name, or one sensor has two drivers: " +
+                                         listOf(source.publishers) + " publish as \"" + key.first +
+                                         "\"; give every sensor a name and a topic of its own"});
+  }
+  for (const auto& [sensor, of_sensor] : topics) {
+    if (of_sensor.size() < 2 || sensor.empty()) continue;
+    found.push_back({sensor, "two sensors have one name: it comes on " + listOf(of_sensor) +
+                                 "; trackers take them for one, give every sensor a name of its own"});
+  }
+}
+
+void InputExamination::findTransforms(const tf2::BufferCore& transforms, const std::string& tracking_frame,
+                                      std::vector<Finding>& found) const {
+  for (const auto& [key, source] : sources_) {
+    std::size_t there = 0, asked = 0;
+    std::string frame, why;
+    for (const Shot& shot : source.shots) {
+      if (shot.header.frame_id.empty() || shot.header.frame_id.front() == '/') continue;  // is said already
+      ++asked;
+      if (rotationTo(tracking_frame, shot.header, transforms)) {
+        ++there;
+        continue;
+      }
+      frame = shot.header.frame_id;
+      why.clear();  // it would be added to
+      transforms.canTransform(tracking_frame, frame, shot.header.stamp, &why);
+    }
+    if (static_cast<double>(there) >= kFewTransforms * static_cast<double>(asked)) continue;
+    const bool is_late = transforms.canTransform(tracking_frame, frame, ros::Time(0));
+    std::ostringstream words;
+    words << "its frame \"" << frame << "\" has no transform to the tracking frame \"" << tracking_frame
+          << "\"";
+    if (is_late)
+      words << " at the stamps of " << asked - there << " of " << asked
+            << " scans, though at other times: are its stamps or those of tf off, or tf too rare?";
+    else
+      words << ": publish it on /tf or /tf_static, or correct header.frame_id or tracking_frame";
+    if (!why.empty()) words << " (" << why << ")";
+    found.push_back({subjectOf(key), words.str()});
+  }
+}
+
+std::vector<core::Glimpse> InputExamination::glimpsesOf(const Source& source,
+                                                        const tf2::BufferCore& transforms,
+                                                        const std::string& tracking_frame, Reading reading) {
+  std::vector<core::Glimpse> glimpses;
+  for (const Shot& shot : source.shots) {
+    const auto R_tracking_sensor = rotationTo(tracking_frame, shot.header, transforms);
+    if (!R_tracking_sensor) continue;
+    for (const Eigen::Vector2d& angles : shot.angles)
+      glimpses.push_back(
+          {toCore(shot.header.stamp), *R_tracking_sensor * core::directionOf(reading(angles))});
+  }
+  std::sort(glimpses.begin(), glimpses.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
+  return glimpses;
+}
+
+/// Sensors that never see what any other sees.
+void InputExamination::findStrangers(const tf2::BufferCore& transforms, const std::string& tracking_frame,
+                                     std::vector<Finding>& found) const {
+  std::map<Key, std::vector<core::Glimpse>> seen;
+  for (const auto& [key, source] : sources_) {
+    if (!source.record.isMostlyRefused()) seen[key] = glimpsesOf(source, transforms, tracking_frame, asSent);
+  }
+  for (const auto& [key, source] : sources_) {
+    if (source.record.isMostlyRefused()) continue;  // is said already
+    std::vector<core::Glimpse> others;
+    for (const auto& [other, glimpses] : seen) {
+      if (other.first != key.first) others.insert(others.end(), glimpses.begin(), glimpses.end());
+    }
+    std::sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
+    const double sigma = source.record.statedSigma().value_or(0.0);
+    const double reach = std::max(kLeastReach, kReachSigmas * sigma);
+    const auto distance = core::separation(seen[key], others);
+    if (!distance || *distance <= reach) continue;
+    std::string hint =
+        "does it look elsewhere, or are its frame or axes wrong (x forward, y left, z up; azimuth "
+        "counter-clockwise)?";
+    double best = std::min(reach, std::max(kAgreement, sigma));
+    for (const Mistake& mistake : kMistakes) {
+      const auto glimpses = glimpsesOf(source, transforms, tracking_frame, mistake.reading);
+      const auto nearer = core::separation(glimpses, others);
+      if (!nearer || *nearer >= best) continue;
+      best = *nearer;
+      hint = mistake.words;
+    }
+    found.push_back(
+        {subjectOf(key), "what it sees is " + value(*distance, "rad") +
+                             " from anything that the other sensors see at the same time: " + hint});
+  }
+}
+
+std::vector<Finding> InputExamination::silentTopics(const GraphView& graph, double seconds) const {
+  std::vector<Finding> found;
+  for (const GraphView::Topic& topic : sightingTopics(graph)) {
+    const bool spoke = std::any_of(sources_.begin(), sources_.end(),
+                                   [&](const auto& source) { return source.first.second == topic.name; });
+    if (spoke || topic.publishers.empty()) continue;
+    found.push_back({topic.name, "is published by " + listOf(topic.publishers) +
+                                     ", but no scan came within " + value(seconds, "s") +
+                                     ": is the sensor on? An exposure that shows nothing is an empty scan"});
+  }
+  return found;
+}
+
+}  // namespace sightline_ros

@@ -1,0 +1,86 @@
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include <ros/ros.h>
+
+#include "sightline/ros/command_line.h"
+#include "sightline/ros/input_doctor.h"
+
+namespace {
+
+using namespace sightline_ros;
+
+const char* const kUsage =
+    "Usage: doctor [--seconds S] [--tracking-frame F]\n"
+    "Looks at the running sensors, trackers and fusions for some time, and says in plain words what is wrong "
+    "with\n"
+    "their topics, frames, stamps, rates and covariances, and what helps. Exit code 0: nothing is wrong; 1: "
+    "something is.\n"
+    "  --seconds S          how long to look (default 10)\n"
+    "  --tracking-frame F   frame in which targets are tracked (default: that of the running trackers, or "
+    "platform_enu)\n";
+
+double secondsFrom(const CommandLine& line) {
+  const std::string text = line.option("--seconds", "10");
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (!text.empty() && *end == '\0' && std::isfinite(value) && value > 0.0) return value;
+  throw UsageError("--seconds: expected a number above 0, got \"" + text + "\"");
+}
+
+std::string millis(const std::optional<double>& seconds) {
+  char text[32] = "-";
+  if (seconds) std::snprintf(text, sizeof text, "%.1f", 1e3 * *seconds);
+  return text;
+}
+
+void printSensors(const InputDoctor& doctor, double seconds) {
+  const auto rows = doctor.examination().sensors();
+  std::printf("looked for %g s: %zu sensors, %zu trackers, %zu fusions; tracking frame %s\n", seconds,
+              rows.size(), trackersOf(doctor.graph()).size(), fusionsOf(doctor.graph()).size(),
+              doctor.trackingFrame().c_str());
+  if (!rows.empty()) {
+    std::printf("  %-16s %8s %10s %12s %10s %10s  %s\n", "sensor", "scans/s", "sightings", "latency [ms]",
+                "95 % [ms]", "sigma", "topic");
+  }
+  for (const auto& [sensor, topic, record] : rows) {
+    std::printf("  %-16s %8.1f %10zu %12s %10s %10.2g  %s\n", sensor.c_str(),
+                static_cast<double>(record->scans()) / seconds, record->sightings(),
+                millis(record->latency(0.5)).c_str(), millis(record->latency(0.95)).c_str(),
+                record->statedSigma().value_or(NAN), topic.c_str());
+  }
+}
+
+/// How many things are wrong.
+std::size_t examine(const std::vector<std::string>& words) {
+  const CommandLine line(words, {"--seconds", "--tracking-frame"}, 0, 0);
+  DoctorParams params;
+  params.seconds = secondsFrom(line);
+  params.tracking_frame = line.option("--tracking-frame", "");
+  if (!ros::master::check()) {
+    throw std::runtime_error("there is no ROS master at " + ros::master::getURI() +
+                             ": start what is to be looked at, or set ROS_MASTER_URI");
+  }
+  ros::NodeHandle nh;
+  InputDoctor doctor(nh, params);
+  const std::vector<Finding> found = doctor.examine();
+  printSensors(doctor, params.seconds);
+  for (const Finding& finding : found)
+    std::printf("WRONG  %s: %s\n", finding.subject.c_str(), finding.words.c_str());
+  if (found.empty())
+    std::printf("nothing wrong found\n");
+  else
+    std::printf("%zu %s wrong\n", found.size(), found.size() == 1 ? "thing is" : "things are");
+  return found.size();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "sightline_doctor", ros::init_options::AnonymousName);
+  std::size_t wrong = 0;
+  const int code = sightline_ros::runTool(
+      argc, argv, kUsage, [&](const std::vector<std::string>& words) { wrong = examine(words); });
+  return code == 0 && wrong > 0 ? 1 : code;
+}
