@@ -6,6 +6,7 @@
 #include <sightline/SightingArray.h>
 
 #include "sightline/ros/conversions.h"
+#include "sightline/ros/scenario_messages.h"
 #include "sightline/ros/scenario_params.h"
 #include "sightline/ros/this_node.h"
 #include "sightline/ros/transform_messages.h"
@@ -88,8 +89,7 @@ void SensorSimulatorNode::broadcastMount() {
   const auto sensor =
       std::find_if(scenario_.sensors.begin(), scenario_.sensors.end(),
                    [this](const core::SimulatedSensor& other) { return other.name == sensor_; });
-  static_transforms_.sendTransform(transformMessage(
-      ros::Time::now(), "platform", sensor_, sensor->mount_position, core::R_platform_sensor(*sensor)));
+  static_transforms_.sendTransform(mountTransform(*sensor, ros::Time::now()));
 }
 
 }  // namespace sightline_ros

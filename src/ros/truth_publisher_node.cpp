@@ -4,8 +4,8 @@
 #include <sightline/TrackArray.h>
 #include <std_msgs/Time.h>
 
-#include "sightline/core/track.h"
 #include "sightline/ros/conversions.h"
+#include "sightline/ros/scenario_messages.h"
 #include "sightline/ros/scenario_params.h"
 #include "sightline/ros/transform_messages.h"
 
@@ -26,18 +26,6 @@ core::SightingTiming everyPeriod(double rate) {
   return timing;
 }
 
-core::Track truthTrack(const core::Target& target, const core::AngularState& state, core::Time time) {
-  core::Track track;
-  track.id = target.id;
-  track.status = core::TrackStatus::confirmed;
-  track.state = state;
-  track.gate.centre = state.angles();
-  track.gate.covariance.setZero();
-  track.last_sighting = time;
-  track.existence = 1.0;
-  return track;
-}
-
 }  // namespace
 
 TruthPublisherNode::TruthPublisherNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
@@ -46,7 +34,7 @@ TruthPublisherNode::TruthPublisherNode(const ros::NodeHandle& nh, const ros::Nod
 TruthPublisherNode::TruthPublisherNode(ros::NodeHandle nh, const ros::NodeHandle& pnh,
                                        const ParamReader& reader)
     : scenario_(loadScenario(ParamReader(ros::NodeHandle("/scenario")))),
-      platform_is_fixed_(std::holds_alternative<core::FixedPlatform>(scenario_.platform)),
+      platform_is_fixed_(isFixed(scenario_.platform)),
       start_delay_(reader.number("start_delay", kDefaultStartDelay, atLeast(0.0), "s")),
       start_(loadStartTime(reader)),
       instants_(everyPeriod(reader.number("rate", kDefaultRate, Range{0.0, 1e4, true, false}, "Hz")), 0),
@@ -88,24 +76,11 @@ void TruthPublisherNode::begin(const ros::Time& now) {
 }
 
 void TruthPublisherNode::publishTruth(double time, const ros::Time& stamp) {
-  sightline::TrackArray truth;
-  truth.header.stamp = stamp;
-  truth.header.frame_id = "platform_enu";
-  truth.tracker = "truth";
-  truth.estimator = "truth";
-  for (const core::Target& target : scenario_.targets) {
-    if (const auto state = core::truthAt(scenario_, target, time)) {
-      truth.tracks.push_back(toMessage(truthTrack(target, *state, toCore(stamp))));
-    }
-  }
-  truth_.publish(truth);
+  truth_.publish(truthMessage(scenario_, time, stamp));
 }
 
 void TruthPublisherNode::publishPlatform(double time, const ros::Time& stamp) {
-  const core::PlatformState platform = core::platformAt(scenario_.platform, time);
-  const std::vector<geometry_msgs::TransformStamped> transforms{
-      transformMessage(stamp, "world", "platform", platform.position, platform.R_world_platform),
-      transformMessage(stamp, "world", "platform_enu", platform.position, Eigen::Matrix3d::Identity())};
+  const auto transforms = platformTransforms(scenario_, time, stamp);
   if (platform_is_fixed_)
     static_transforms_.sendTransform(transforms);
   else
