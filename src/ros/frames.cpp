@@ -82,14 +82,13 @@ void dropIfNothingIsLeft(FramedScan& framed) {
 /// Half widths in azimuth and elevation [rad], by sensor.
 std::map<std::string, Eigen::Vector2d> loadFieldsOfView(const ParamReader& reader) {
   std::map<std::string, Eigen::Vector2d> fields;
-  for (const std::string& sensor : reader.keys()) {
-    const std::vector<double> widths = reader.requiredNumbers(sensor, Range{0.0, kPi, true, false}, "rad");
-    if (widths.size() != 2 || widths[1] > kPi / 2.0) {
-      throw reader.error(sensor,
-                         "expected two half widths [rad], of the azimuth in (0, pi] and of the elevation in "
-                         "(0, pi/2]; for degrees write [deg(20), deg(15)]");
-    }
-    fields[sensor] = {widths[0], widths[1]};
+  for (const ParamReader& entry : reader.list("fields_of_view")) {
+    const std::string sensor = entry.requiredText("sensor");
+    const double azimuth = entry.requiredNumber("azimuth_half_width", Range{0.0, kPi, true, false}, "rad");
+    const double elevation =
+        entry.requiredNumber("elevation_half_width", Range{0.0, kPi / 2.0, true, false}, "rad");
+    if (!fields.emplace(sensor, Eigen::Vector2d(azimuth, elevation)).second)
+      throw entry.error("sensor", "the field of view of \"" + sensor + "\" is given twice");
   }
   return fields;
 }
@@ -115,13 +114,17 @@ FrameChangeParams loadFrameChangeParams(const ParamReader& reader, FrameChangePa
   params.tf_timeout = reader.number("tf_timeout", params.tf_timeout, atLeast(0.0), "s");
   params.max_future = reader.number("max_future", params.max_future, atLeast(0.0), "s");
   params.max_waiting = reader.integer("max_waiting", params.max_waiting, 1, 1000000);
-  for (const auto& [sensor, half_widths] : loadFieldsOfView(reader.sub("fields_of_view")))
-    params.fields_of_view[sensor] = half_widths;
-  params.attitude = loadAttitudeParams(reader, params.attitude);
   if (params.tracking_frame.empty() || params.tracking_frame.front() == '/') {
     throw reader.error("tracking_frame", "expected a frame name without leading slash, got the string \"" +
                                              params.tracking_frame + "\"");
   }
+  return params;
+}
+
+FrameChangeParams loadTrackerFrameParams(const ParamReader& reader, FrameChangeParams params) {
+  params = loadFrameChangeParams(reader, params);
+  params.fields_of_view = loadFieldsOfView(reader);
+  params.attitude = loadAttitudeParams(reader, params.attitude);
   return params;
 }
 

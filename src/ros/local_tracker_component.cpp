@@ -62,7 +62,7 @@ sightline::AssociationArray::Ptr associationArray(const std::vector<core::Associ
 LocalTrackerComponent::LocalTrackerComponent(const ParamReader& reader, const std::string& name,
                                              const tf2::BufferCore& transforms)
     : LocalTrackerComponent(loadLocalTrackerParams(reader), loadTrackletParams(reader.sub("tracklets")),
-                            loadFrameChangeParams(reader), nameFrom(reader, name), transforms) {}
+                            loadTrackerFrameParams(reader), nameFrom(reader, name), transforms) {}
 
 LocalTrackerComponent::LocalTrackerComponent(const core::LocalTrackerParams& tracker,
                                              const core::TrackletParams& tracklets,

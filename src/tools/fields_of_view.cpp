@@ -11,22 +11,22 @@ namespace {
 
 const char* const kUsage =
     "Usage: fields_of_view FILE.yaml...\n"
-    "Prints the fields of view of a simulated scenario's sensors as a YAML map, for `fields_of_view` of a "
-    "tracker:\n"
-    "half widths in azimuth and elevation [rad] by sensor. Several files are merged as roslaunch does.\n";
+    "Prints the fields of view of a simulated scenario's sensors as a YAML list, for `fields_of_view` of a "
+    "tracker. Several files are merged as roslaunch does.\n";
 
 void list(const std::vector<std::string>& words) {
   using namespace sightline_ros;
   const CommandLine line(words, {}, 1, 10);
   const auto scenario = loadScenario(ParamReader::fromYamlFiles(line.arguments()));
   std::string separator;
-  std::cout << std::fixed << std::setprecision(15) << "{";  // an exponent would make a string of it
+  std::cout << std::fixed << std::setprecision(15) << "[";  // an exponent would make a string of it
   for (const auto& sensor : scenario.sensors) {
-    std::cout << separator << sensor.name << ": [" << sensor.field_of_view.x() << ", "
-              << sensor.field_of_view.y() << "]";
+    std::cout << separator << "{sensor: " << sensor.name
+              << ", azimuth_half_width: " << sensor.field_of_view.x()
+              << ", elevation_half_width: " << sensor.field_of_view.y() << "}";
     separator = ", ";
   }
-  std::cout << "}\n";
+  std::cout << "]\n";
 }
 
 }  // namespace

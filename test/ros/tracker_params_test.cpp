@@ -112,7 +112,7 @@ TEST(TrackerParams, AttitudeSigmasAreReadAndChecked) {
   const ScratchFolder folder;
   const auto load = [&](const std::string& yaml) {
     const ParamReader reader = ParamReader::fromYaml(folder.write("params.yaml", yaml));
-    const auto attitude = sightline_ros::loadFrameChangeParams(reader).attitude;
+    const auto attitude = sightline_ros::loadTrackerFrameParams(reader).attitude;
     reader.finish();
     return attitude;
   };
@@ -132,20 +132,27 @@ TEST(TrackerParams, FieldsOfViewAreReadBySensor) {
   const ScratchFolder folder;
   const auto load = [&](const std::string& yaml) {
     const ParamReader reader = ParamReader::fromYaml(folder.write("params.yaml", yaml));
-    const auto fields = sightline_ros::loadFrameChangeParams(reader).fields_of_view;
+    const auto fields = sightline_ros::loadTrackerFrameParams(reader).fields_of_view;
     reader.finish();
     return fields;
   };
-  EXPECT_TRUE(load("fields_of_view: {}").empty());
-  const auto fields = load("fields_of_view: {left: [deg(90), 0.4], right: [0.5, 1]}");
+  EXPECT_TRUE(load("fields_of_view: []").empty());
+  const auto fields = load(
+      "fields_of_view: [{sensor: left, azimuth_half_width: deg(90), elevation_half_width: 0.4},"
+      " {sensor: right, azimuth_half_width: 0.5, elevation_half_width: 1}]");
   ASSERT_EQ(fields.size(), 2u);
   EXPECT_NEAR(fields.at("left").x(), 1.5707963, 1e-6);
   EXPECT_EQ(fields.at("left").y(), 0.4);
   EXPECT_EQ(fields.at("right"), Eigen::Vector2d(0.5, 1.0));
-  for (const char* wrong : {"fields_of_view: [0.5, 0.4]", "fields_of_view: {left: 0.5}",
-                            "fields_of_view: {left: [0.5]}", "fields_of_view: {left: [0.5, 0.4, 0.3]}",
-                            "fields_of_view: {left: [20, 15]}", "fields_of_view: {left: [0.5, 1.6]}",
-                            "fields_of_view: {left: [0.0, 0.4]}", "fields_of_view: {left: []}"}) {
+  for (const char* wrong :
+       {"fields_of_view: {left: [0.5, 0.4]}", "fields_of_view: [0.5, 0.4]",
+        "fields_of_view: [{azimuth_half_width: 0.5, elevation_half_width: 0.4}]",
+        "fields_of_view: [{sensor: left, azimuth_half_width: 0.5}]",
+        "fields_of_view: [{sensor: left, azimuth_half_width: 20, elevation_half_width: 15}]",
+        "fields_of_view: [{sensor: left, azimuth_half_width: 0.5, elevation_half_width: 1.6}]",
+        "fields_of_view: [{sensor: left, azimuth_half_width: 0.0, elevation_half_width: 0.4}]",
+        "fields_of_view: [{sensor: a, azimuth_half_width: 0.5, elevation_half_width: 0.4},"
+        " {sensor: a, azimuth_half_width: 0.5, elevation_half_width: 0.4}]"}) {
     EXPECT_THROW(load(wrong), ParamError) << wrong;
   }
 }

@@ -34,9 +34,11 @@ struct FrameChangeParams {
   sightline::core::AttitudeParams attitude;  ///< of the frames of scans in the tracking frame
 };
 
-/// Reads tracking_frame, tf_timeout, max_future, max_waiting, fields_of_view, attitude_sigma and
-/// attitude_time_sigma of this level.
+/// Reads tracking_frame, tf_timeout, max_future and max_waiting of this level.
 FrameChangeParams loadFrameChangeParams(const ParamReader& reader, FrameChangeParams defaults = {});
+
+/// And what only who tracks has to know: fields_of_view, attitude_sigma and attitude_time_sigma.
+FrameChangeParams loadTrackerFrameParams(const ParamReader& reader, FrameChangeParams defaults = {});
 
 /// A scan message, and what can be said of it.
 struct FramedScan {
