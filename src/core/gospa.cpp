@@ -12,9 +12,12 @@ Gospa gospa(const std::vector<Eigen::Vector3d>& estimates, const std::vector<Eig
             const GospaParams& params) {
   const double p = params.order,
                alone = std::pow(params.cutoff, p);  // a miss and a false one together cost c^p
-  Eigen::MatrixXd cost(estimates.size(), truths.size());
+  // A pair further apart than c costs no less than its members alone, and a chord is shorter than its arc.
+  Eigen::MatrixXd cost =
+      Eigen::MatrixXd::Constant(estimates.size(), truths.size(), std::numeric_limits<double>::infinity());
   for (Eigen::Index i = 0; i < cost.rows(); ++i) {
     for (Eigen::Index j = 0; j < cost.cols(); ++j) {
+      if ((estimates[i] - truths[j]).squaredNorm() > params.cutoff * params.cutoff) continue;
       cost(i, j) = std::pow(angleBetween(estimates[i], truths[j]), p);
     }
   }

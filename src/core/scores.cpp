@@ -39,6 +39,15 @@ double statedVariance(const Sighting& sighting, Channels channels) {
                                             : 0.5 * sighting.covariance.trace();
 }
 
+/// Whether a sighting is so far from the target that no gate reaches it; saves the trouble with most of many.
+bool isOutOfReach(const Sighting& sighting, const Eigen::Vector3d& target, const SightingGate& gate,
+                  Channels channels) {
+  constexpr double kMargin = 2.0;  // for what arcs and angles differ
+  if (channels == Channels::azimuth_only) return false;
+  const double reach = kMargin * std::max(gate.floor, gate.sigmas * std::sqrt(sighting.covariance.trace()));
+  return (sighting.direction - target).squaredNorm() > reach * reach;
+}
+
 /// For each target its sighting, or -1: as many as lie within the gate, with the smallest sum of squared
 /// distances.
 std::vector<int> matchSightings(const std::vector<TrueTarget>& targets,
@@ -47,7 +56,9 @@ std::vector<int> matchSightings(const std::vector<TrueTarget>& targets,
   const double dimensions = channels == Channels::azimuth_only ? 1.0 : 2.0;
   Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(targets.size(), sightings.size(), kForbidden);
   for (Eigen::Index i = 0; i < cost.rows(); ++i) {
+    const Eigen::Vector3d target = directionOf(targets[i].state.angles());
     for (Eigen::Index j = 0; j < cost.cols(); ++j) {
+      if (isOutOfReach(sightings[j], target, gate, channels)) continue;
       const DirectionError error = errorOf(sightings[j], targets[i].state, channels);
       const double square = error.position.squaredNorm();
       const double sigmas = error.position_nees ? std::sqrt(*error.position_nees * dimensions) : kForbidden;
@@ -57,25 +68,29 @@ std::vector<int> matchSightings(const std::vector<TrueTarget>& targets,
   return assign(cost);
 }
 
-/// Angles [rad] between targets (rows) and tracks (columns).
-Eigen::MatrixXd distances(const std::vector<TrueTarget>& targets, const std::vector<const Track*>& tracks,
-                          Channels channels) {
-  Eigen::MatrixXd distance(targets.size(), tracks.size());
-  for (Eigen::Index i = 0; i < distance.rows(); ++i) {
+/// Squared angles [rad^2] between targets (rows) and tracks (columns) that are no further apart than `gate`
+/// [rad].
+Eigen::MatrixXd squaresWithin(double gate, const std::vector<TrueTarget>& targets,
+                              const std::vector<const Track*>& tracks, Channels channels) {
+  std::vector<Eigen::Vector3d> directions;
+  for (const Track* track : tracks) directions.push_back(comparable(track->state.angles(), channels));
+  Eigen::MatrixXd square = Eigen::MatrixXd::Constant(targets.size(), tracks.size(), kForbidden);
+  for (Eigen::Index i = 0; i < square.rows(); ++i) {
     const Eigen::Vector3d truth = comparable(targets[i].state.angles(), channels);
-    for (Eigen::Index j = 0; j < distance.cols(); ++j) {
-      distance(i, j) = angleBetween(comparable(tracks[j]->state.angles(), channels), truth);
+    for (Eigen::Index j = 0; j < square.cols(); ++j) {
+      if ((directions[j] - truth).squaredNorm() > gate * gate) continue;  // a chord is shorter than its arc
+      const double angle = angleBetween(directions[j], truth);
+      if (angle <= gate) square(i, j) = angle * angle;
     }
   }
-  return distance;
+  return square;
 }
 
 /// For each target its track, or nullptr.
 std::vector<const Track*> matchTracks(const std::vector<TrueTarget>& targets,
                                       const std::vector<const Track*>& tracks, const Continuity& continuity,
                                       double gate, Channels channels) {
-  const Eigen::MatrixXd distance = distances(targets, tracks, channels);
-  Eigen::MatrixXd cost = (distance.array() <= gate).select(distance.array().square(), kForbidden);
+  Eigen::MatrixXd cost = squaresWithin(gate, targets, tracks, channels);
   for (Eigen::Index i = 0; i < cost.rows(); ++i) {
     const auto kept = continuity.trackOf(targets[i].id);
     for (Eigen::Index j = 0; kept && j < cost.cols(); ++j) {
