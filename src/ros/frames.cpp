@@ -93,20 +93,6 @@ std::map<std::string, Eigen::Vector2d> loadFieldsOfView(const ParamReader& reade
   return fields;
 }
 
-core::AttitudeParams loadAttitudeParams(const ParamReader& reader, core::AttitudeParams params) {
-  const Eigen::Vector3d& sigma = params.sigma;
-  const std::vector<double> sigmas =
-      reader.numbers("attitude_sigma", {sigma.x(), sigma.y(), sigma.z()}, between(0.0, kPi / 2.0), "rad");
-  if (sigmas.size() != 3) {
-    throw reader.error("attitude_sigma",
-                       "expected three numbers [rad], of roll, pitch and yaw of the scans' frame, got " +
-                           std::to_string(sigmas.size()));
-  }
-  params.sigma = {sigmas[0], sigmas[1], sigmas[2]};
-  params.time_sigma = reader.number("attitude_time_sigma", params.time_sigma, atLeast(0.0), "s");
-  return params;
-}
-
 }  // namespace
 
 FrameChangeParams loadFrameChangeParams(const ParamReader& reader, FrameChangeParams params) {
@@ -118,6 +104,20 @@ FrameChangeParams loadFrameChangeParams(const ParamReader& reader, FrameChangePa
     throw reader.error("tracking_frame", "expected a frame name without leading slash, got the string \"" +
                                              params.tracking_frame + "\"");
   }
+  return params;
+}
+
+core::AttitudeParams loadAttitudeParams(const ParamReader& reader, core::AttitudeParams params) {
+  const Eigen::Vector3d& sigma = params.sigma;
+  const std::vector<double> sigmas =
+      reader.numbers("attitude_sigma", {sigma.x(), sigma.y(), sigma.z()}, between(0.0, kPi / 2.0), "rad");
+  if (sigmas.size() != 3) {
+    throw reader.error("attitude_sigma",
+                       "expected three numbers [rad], of roll, pitch and yaw of the scans' frame, got " +
+                           std::to_string(sigmas.size()));
+  }
+  params.sigma = {sigmas[0], sigmas[1], sigmas[2]};
+  params.time_sigma = reader.number("attitude_time_sigma", params.time_sigma, atLeast(0.0), "s");
   return params;
 }
 

@@ -72,6 +72,7 @@ TrackEvaluatorParams loadTrackEvaluatorParams(const ParamReader& reader) {
   TrackEvaluatorParams params;
   params.evaluation = loadEvaluationParams(reader, params.evaluation);
   params.frames = loadFrameChangeParams(reader, params.frames);
+  params.frames.attitude = loadAttitudeParams(reader, params.frames.attitude);
   params.sighting_topics = reader.texts("sighting_topics", params.sighting_topics);
   params.track_topics = reader.texts("track_topics", params.track_topics);
   params.live = reader.flag("live", params.live);

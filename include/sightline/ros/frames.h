@@ -37,6 +37,10 @@ struct FrameChangeParams {
 /// Reads tracking_frame, tf_timeout, max_future and max_waiting of this level.
 FrameChangeParams loadFrameChangeParams(const ParamReader& reader, FrameChangeParams defaults = {});
 
+/// Reads attitude_sigma and attitude_time_sigma of this level.
+sightline::core::AttitudeParams loadAttitudeParams(const ParamReader& reader,
+                                                   sightline::core::AttitudeParams defaults = {});
+
 /// And what only who tracks has to know: fields_of_view, attitude_sigma and attitude_time_sigma.
 FrameChangeParams loadTrackerFrameParams(const ParamReader& reader, FrameChangeParams defaults = {});
 
