@@ -7,30 +7,43 @@
 #include <Eigen/LU>
 
 #include "sightline/core/assignment.h"
+#include "sightline/core/joint_association.h"
 
 namespace sightline::core {
 namespace {
 
-/// A sighting in the gate of a track.
-struct Candidate {
-  int expectation = 0;
-  int sighting = 0;
-  Association pair;  // as it would be recorded
-  double cost = 0.0;
+constexpr double kTwoPi = 6.28318530717958648;
+constexpr double kLeastCosine = 0.1;    // of an elevation in a chart
+constexpr double kMostLogRatio = 40.0;  // what is beyond is as certain as can be
+
+/// The sightings in the gates of the tracks.
+struct Candidates {
+  std::vector<GatedPair> pairs;     // `track` is the place among the expectations
+  std::vector<Association> record;  // for each, as it would be recorded
 };
+
+/// ln(P_D N(innovation; 0, S) / clutter density). The chart's coordinates shrink with the cosine of its
+/// elevation: what is per rad^2 there is 1 / cos of that per sr.
+double logRatio(const Expectation& expectation, const Association& pair, double clutter_density) {
+  const Eigen::Matrix2d& S = pair.covariance;
+  const double determinant = S(0, 0) * S(1, 1) - S(0, 1) * S(1, 0);
+  const double area =
+      kTwoPi * std::sqrt(determinant) * std::max(std::cos(expectation.prediction.angles().y()), kLeastCosine);
+  return std::log(expectation.detection_probability / (area * clutter_density)) - 0.5 * pair.distance_squared;
+}
 
 /// Whether a sighting is so far away that no gate computation is needed: its chord to the prediction is
 /// longer than the largest half width that S can have. In a chart the azimuth's variance is at most
 /// 1/cos^2(80 deg) = 33 times that on the sphere.
-bool isFarAway(const Expectation& expectation, const Eigen::Vector3d& predicted, const Sighting& sighting,
-               double noise_scale, const GateParams& params, double threshold) {
+bool isFarAway(const Expectation& expectation, const Sighting& sighting, double noise_scale,
+               const GateParams& params, double threshold) {
   const double largest_noise = std::max(expectation.noise_scale.maxCoeff(), 1.0 / noise_scale);
   const double largest_variance =
       expectation.innovation_scale *
       (expectation.prediction.anglesCovariance().trace() + expectation.smear.trace() +
        34.0 * std::max(largest_noise, 1.0) * sighting.covariance.trace());
   const double reach = threshold * largest_variance + 2.0 * params.min_half_width * params.min_half_width;
-  return (sighting.direction - predicted).squaredNorm() > reach;
+  return (sighting.direction - expectation.direction).squaredNorm() > reach;
 }
 
 /// The pair by one covariance of the sighting's noise; `is_inside`: whether it is within the gate.
@@ -61,26 +74,38 @@ Association comparison(const Expectation& expectation, const Sighting& sighting,
 }
 
 /// All pairs inside a gate; `decisions` keeps for each sighting the nearest track, in its gate or not.
-std::vector<Candidate> candidatesOf(const Scan& scan, const std::vector<Expectation>& expectations,
-                                    const GateParams& params, std::vector<Association>& decisions) {
+Candidates candidatesOf(const Scan& scan, const std::vector<Expectation>& expectations,
+                        const GateParams& params, double clutter_density,
+                        std::vector<Association>& decisions) {
   const double threshold = gateThreshold(params);
-  std::vector<Candidate> candidates;
+  Candidates candidates;
   for (std::size_t i = 0; i < expectations.size(); ++i) {
     const Expectation& expectation = expectations[i];
-    const Eigen::Vector3d predicted = expectation.chart.directionAt(expectation.prediction.angles());
     for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
       const Sighting& sighting = scan.sightings[j];
-      if (isFarAway(expectation, predicted, sighting, scan.noise_scale, params, threshold)) continue;
+      if (isFarAway(expectation, sighting, scan.noise_scale, params, threshold)) continue;
       bool is_inside = false;
       Association pair = comparison(expectation, sighting, scan.noise_scale, params, threshold, is_inside);
       pair.sighting = static_cast<std::uint32_t>(j);
       if (!(decisions[j].distance_squared <= pair.distance_squared)) decisions[j] = pair;
       if (!is_inside) continue;
-      const double cost = pair.distance_squared + std::log(pair.covariance.determinant());
-      candidates.push_back({static_cast<int>(i), static_cast<int>(j), std::move(pair), cost});
+      const double log_ratio = logRatio(expectation, pair, clutter_density);
+      candidates.pairs.push_back({static_cast<int>(i), static_cast<int>(j), log_ratio});
+      candidates.record.push_back(std::move(pair));
     }
   }
   return candidates;
+}
+
+double missWeight(const Expectation& expectation) {
+  return expectation.is_in_view ? 1.0 - expectation.detection_probability : 1.0;
+}
+
+void take(const GatedPair& pair, const std::vector<Expectation>& expectations, Pairing& pairing) {
+  const auto i = static_cast<std::size_t>(pair.track);
+  pairing.sighting_of[i] = pair.sighting;
+  pairing.expectation_of[static_cast<std::size_t>(pair.sighting)] = pair.track;
+  pairing.evidence[i] = missWeight(expectations[i]) + std::exp(std::min(pair.log_ratio, kMostLogRatio));
 }
 
 /// Index of each value within the sorted list of those that occur.
@@ -90,69 +115,87 @@ std::vector<int> occurring(std::vector<int> values) {
   return values;
 }
 
-int indexIn(const std::vector<int>& sorted, int value) {
-  return static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin());
+Eigen::Index indexIn(const std::vector<int>& sorted, int value) {
+  return std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin();
 }
 
-/// One round of optimal assignment among the given candidates.
-void assignRound(const std::vector<const Candidate*>& candidates, Pairing& pairing) {
+/// The best assignment within one cluster.
+void assignCluster(const std::vector<GatedPair>& pairs, const std::vector<int>& cluster,
+                   const std::vector<Expectation>& expectations, Pairing& pairing) {
+  const auto gain = [&](const GatedPair& pair) {  // over a miss
+    return pair.log_ratio - std::log(missWeight(expectations[static_cast<std::size_t>(pair.track)]));
+  };
+  if (cluster.size() == 1) {
+    const GatedPair& pair = pairs[static_cast<std::size_t>(cluster.front())];
+    if (gain(pair) > 0.0) take(pair, expectations, pairing);
+    return;
+  }
   std::vector<int> tracks, sightings;
-  for (const Candidate* candidate : candidates) {
-    tracks.push_back(candidate->expectation);
-    sightings.push_back(candidate->sighting);
+  for (const int k : cluster) {
+    tracks.push_back(pairs[static_cast<std::size_t>(k)].track);
+    sightings.push_back(pairs[static_cast<std::size_t>(k)].sighting);
   }
   tracks = occurring(std::move(tracks));
   sightings = occurring(std::move(sightings));
+  const auto rows = static_cast<Eigen::Index>(tracks.size());
+  const auto columns = static_cast<Eigen::Index>(sightings.size());
+  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(rows, columns, std::numeric_limits<double>::infinity());
+  Eigen::MatrixXi index = Eigen::MatrixXi::Constant(rows, columns, -1);
+  for (const int k : cluster) {
+    const GatedPair& pair = pairs[static_cast<std::size_t>(k)];
+    const Eigen::Index row = indexIn(tracks, pair.track), column = indexIn(sightings, pair.sighting);
+    cost(row, column) = -gain(pair);
+    index(row, column) = k;
+  }
+  const std::vector<int> chosen = assign(cost, 0.0);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const int column = chosen[static_cast<std::size_t>(row)];
+    if (column >= 0) take(pairs[static_cast<std::size_t>(index(row, column))], expectations, pairing);
+  }
+}
 
-  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(tracks.size()),
-                                                   static_cast<Eigen::Index>(sightings.size()),
-                                                   std::numeric_limits<double>::infinity());
-  for (const Candidate* candidate : candidates) {
-    cost(indexIn(tracks, candidate->expectation), indexIn(sightings, candidate->sighting)) = candidate->cost;
+/// The pairs of the believed tracks, or of the others with sightings that are still free.
+std::vector<GatedPair> roundOf(const std::vector<GatedPair>& pairs,
+                               const std::vector<Expectation>& expectations, bool believed,
+                               const Pairing& pairing) {
+  std::vector<GatedPair> round;
+  for (const GatedPair& pair : pairs) {
+    const bool is_free = pairing.expectation_of[static_cast<std::size_t>(pair.sighting)] < 0;
+    if (is_free && expectations[static_cast<std::size_t>(pair.track)].believed == believed)
+      round.push_back(pair);
   }
-  const std::vector<int> columns = assign(cost);
-  for (std::size_t row = 0; row < columns.size(); ++row) {
-    if (columns[row] < 0) continue;
-    const int sighting = sightings[static_cast<std::size_t>(columns[row])];
-    pairing.sighting_of[static_cast<std::size_t>(tracks[row])] = sighting;
-    pairing.expectation_of[static_cast<std::size_t>(sighting)] = tracks[row];
-  }
+  return round;
 }
 
 }  // namespace
 
-Pairing associate(const Scan& scan, const std::vector<Expectation>& expectations, const GateParams& params) {
+Pairing associate(const Scan& scan, const std::vector<Expectation>& expectations, const GateParams& params,
+                  double clutter_density) {
   Pairing pairing;
   pairing.sighting_of.assign(expectations.size(), -1);
   pairing.expectation_of.assign(scan.sightings.size(), -1);
   pairing.may_start.assign(scan.sightings.size(), true);
   pairing.decisions.resize(scan.sightings.size());
+  for (const Expectation& expectation : expectations) pairing.evidence.push_back(missWeight(expectation));
   for (std::size_t j = 0; j < scan.sightings.size(); ++j)
     pairing.decisions[j].sighting = static_cast<std::uint32_t>(j);
 
-  const std::vector<Candidate> candidates = candidatesOf(scan, expectations, params, pairing.decisions);
+  const Candidates candidates = candidatesOf(scan, expectations, params, clutter_density, pairing.decisions);
   for (const bool believed : {true, false}) {
-    std::vector<const Candidate*> round;
-    for (const Candidate& candidate : candidates) {
-      const bool is_free = pairing.expectation_of[static_cast<std::size_t>(candidate.sighting)] < 0;
-      if (is_free && expectations[static_cast<std::size_t>(candidate.expectation)].believed == believed)
-        round.push_back(&candidate);
-    }
-    assignRound(round, pairing);
+    const std::vector<GatedPair> round = roundOf(candidates.pairs, expectations, believed, pairing);
+    for (const std::vector<int>& cluster : clusters(round))
+      assignCluster(round, cluster, expectations, pairing);
   }
 
-  for (const Candidate& candidate : candidates) {
-    const auto j = static_cast<std::size_t>(candidate.sighting);
-    const Expectation& expectation = expectations[static_cast<std::size_t>(candidate.expectation)];
-    if (pairing.expectation_of[j] == candidate.expectation) {
-      pairing.decisions[j] = candidate.pair;
-      pairing.decisions[j].decision = Decision::accepted;
-      pairing.may_start[j] = false;
-    } else if (pairing.expectation_of[j] < 0 && expectation.guards && pairing.may_start[j]) {
-      pairing.decisions[j] = candidate.pair;
-      pairing.decisions[j].decision = Decision::claimed_by_other;
-      pairing.may_start[j] = false;
-    }
+  for (std::size_t k = 0; k < candidates.pairs.size(); ++k) {
+    const GatedPair& pair = candidates.pairs[k];
+    const auto j = static_cast<std::size_t>(pair.sighting);
+    const bool guards = expectations[static_cast<std::size_t>(pair.track)].guards;
+    const bool is_taken = pairing.expectation_of[j] == pair.track;
+    if (!is_taken && !(pairing.expectation_of[j] < 0 && guards && pairing.may_start[j])) continue;
+    pairing.decisions[j] = candidates.record[k];
+    pairing.decisions[j].decision = is_taken ? Decision::accepted : Decision::claimed_by_other;
+    pairing.may_start[j] = false;
   }
   return pairing;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -17,6 +18,10 @@ constexpr double kSourceMemory = 0.3;        // the same for the innovations of 
 constexpr std::size_t kMostSources = 64;
 constexpr double kInformationMemory = 1.0;  // over which a sensor's share in a track is weighed [s]
 constexpr double kNoiseMargin = 1.5;        // by which the noise found may be too small by chance
+constexpr double kLookMemory = 50.0;        // scans over which a track's own share of sightings is taken ...
+constexpr double kTrustInSensor = 10.0;     // ... against so many of the sensor's
+constexpr double kHopeless = 0.01;          // share of its odds at the start that ends a tentative track
+constexpr double kSeenAgain = 0.9;          // existence from which a lost track is shown again
 
 bool isUsable(const AngularState& state) {
   return state.mean.allFinite() && state.covariance.allFinite() &&
@@ -26,12 +31,14 @@ bool isUsable(const AngularState& state) {
 }  // namespace
 
 LiveTrack::LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sighting,
-                     std::unique_ptr<Estimator> estimator)
+                     std::unique_ptr<Estimator> estimator, double odds)
     : id_(id),
+      existence_(odds),
       chart_(Chart::around(sighting.direction)),
       estimator_(std::move(estimator)),
       last_covariance_(chart_.covarianceOf(sighting)),
-      last_sighting_(scan.time) {
+      last_sighting_(scan.time),
+      weighed_(scan.time) {
   const Measurement measurement = measurementOf(scan, sighting);
   estimator_->update(measurement);
   noteSource(scan, Eigen::Vector2d::Zero(), measurement.covariance);
@@ -40,15 +47,22 @@ LiveTrack::LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sightin
 LiveTrack::LiveTrack(const LiveTrack& other)
     : id_(other.id_),
       status_(other.status_),
+      lost_(other.lost_),
+      existence_(other.existence_),
       chart_(other.chart_),
       estimator_(other.estimator_->clone()),
+      known_at_(other.known_at_),
+      known_(other.known_),
       last_covariance_(other.last_covariance_),
       last_sighting_(other.last_sighting_),
+      weighed_(other.weighed_),
       interval_(other.interval_),
       innovation_scale_(other.innovation_scale_),
       hits_(other.hits_),
       misses_(other.misses_),
       scans_(other.scans_),
+      looked_(other.looked_),
+      seen_(other.seen_),
       sources_(other.sources_) {}
 
 Measurement LiveTrack::measurementOf(const Scan& scan, const Sighting& sighting) const {
@@ -60,16 +74,27 @@ Measurement LiveTrack::measurementOf(const Scan& scan, const Sighting& sighting)
   return measurement;
 }
 
+/// The estimator is asked for one instant several times in a scan, and it may be a whole bank of filters.
+const AngularState& LiveTrack::stateAt(Time time) const {
+  if (!known_at_ || *known_at_ != time) {
+    known_ = *estimator_->stateAt(time);  // determined since the first sighting
+    known_at_ = time;
+  }
+  return known_;
+}
+
 double LiveTrack::gateScale(bool adapt_gate) const {
   return adapt_gate ? std::max(1.0, innovation_scale_) : 1.0;
 }
 
-Expectation LiveTrack::expect(Time time, bool adapt_gate) {
+Expectation LiveTrack::expect(const Scan& scan, double detection_probability,
+                              const LifecycleParams& lifecycle, bool adapt_gate) {
+  const Time time = scan.time;
   Expectation expectation;
   expectation.id = id_;
-  expectation.believed = status_ != TrackStatus::tentative;
-  expectation.guards = status_ == TrackStatus::confirmed;
-  expectation.prediction = *estimator_->stateAt(time);  // determined since the first sighting
+  expectation.believed = isBelieved();
+  expectation.guards = isBelieved() && status_ == TrackStatus::confirmed;
+  expectation.prediction = stateAt(time);
   if (!chart_.holds(expectation.prediction.angles())) {
     const Chart next = chart_.following(chart_.directionAt(expectation.prediction.angles()));
     const Eigen::Matrix3d R_new_old = next.R_chart_tracking() * chart_.R_chart_tracking().transpose();
@@ -78,16 +103,22 @@ Expectation LiveTrack::expect(Time time, bool adapt_gate) {
     for (Source& source : sources_) source.innovation = J * source.innovation;
     estimator_->rotate(R_new_old);
     chart_ = next;
-    expectation.prediction = *estimator_->stateAt(time);
+    known_at_ = std::nullopt;
+    expectation.prediction = stateAt(time);
   }
   expectation.chart = chart_;
   expectation.noise_scale = estimator_->noiseScale();
   expectation.innovation_scale = gateScale(adapt_gate);
+  expectation.direction = chart_.directionAt(expectation.prediction.angles());
+  expectation.detection_probability =
+      (seen_ + kTrustInSensor * detection_probability) / (looked_ + kTrustInSensor);
+  expectation.is_in_view =
+      hasBeenSeenBy(scan, lifecycle) && (!scan.view || scan.view->holds(expectation.direction));
   return expectation;
 }
 
 void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectation& expectation,
-                     const LifecycleParams& lifecycle) {
+                     double evidence, const LifecycleParams& lifecycle) {
   Measurement measurement = measurementOf(scan, sighting);
   measurement.covariance += expectation.smear;
   Gate stated;
@@ -97,27 +128,68 @@ void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectati
   innovation_scale_ += kInnovationMemory * (seen - innovation_scale_);
 
   const double since_last = seconds(scan.time - last_sighting_);
+  weigh(scan.time, evidence, lifecycle);
+  if (expectation.is_in_view) noteLook(true);
   interval_ = hits_ == 1 ? since_last : interval_ + kIntervalMemory * (since_last - interval_);
 
   estimator_->update(measurement);
+  known_at_ = std::nullopt;
   last_covariance_ = measurement.covariance;
   last_sighting_ = scan.time;
   misses_ = 0;
   ++hits_;
   ++scans_;
   noteSource(scan, innovation, measurement.covariance);
-  if (status_ == TrackStatus::coasting || static_cast<int>(hits_) >= lifecycle.confirm_hits)
-    status_ = TrackStatus::confirmed;
+  if (status_ != TrackStatus::tentative || isConfirmedBy(lifecycle)) status_ = TrackStatus::confirmed;
+  if (lost_ && (!lifecycle.by_existence || existence_.probability() >= kSeenAgain)) lost_ = false;
 }
 
-void LiveTrack::miss(const Scan& scan, const LifecycleParams& lifecycle) {
-  const bool sees_the_target = std::any_of(sources_.begin(), sources_.end(), [&](const Source& source) {
+void LiveTrack::miss(const Scan& scan, const Expectation& expectation, double evidence,
+                     const LifecycleParams& lifecycle) {
+  if (!expectation.is_in_view) return;
+  ++misses_;
+  ++scans_;
+  weigh(scan.time, evidence, lifecycle);
+  noteLook(false);
+}
+
+void LiveTrack::weigh(Time time, double evidence, const LifecycleParams& lifecycle) {
+  existence_.pass(seconds(time - weighed_), lifecycle.presence);
+  existence_.weigh(evidence);
+  weighed_ = time;
+}
+
+bool LiveTrack::isConfirmedBy(const LifecycleParams& lifecycle) const {
+  return static_cast<int>(hits_) >= lifecycle.confirm_hits &&
+         (!lifecycle.by_existence || existence_.probability() >= lifecycle.confirm_existence);
+}
+
+bool LiveTrack::hasBeenSeenBy(const Scan& scan, const LifecycleParams& lifecycle) const {
+  return std::any_of(sources_.begin(), sources_.end(), [&](const Source& source) {
     return source.sensor == scan.sensor &&
            seconds(scan.time - source.last_sighting) <= limit(lifecycle.delete_silence);
   });
-  if (!sees_the_target) return;
-  ++misses_;
-  ++scans_;
+}
+
+void LiveTrack::noteLook(bool is_seen) {
+  constexpr double keep = 1.0 - 1.0 / kLookMemory;
+  looked_ = keep * looked_ + 1.0;
+  seen_ = keep * seen_ + (is_seen ? 1.0 : 0.0);
+}
+
+double LiveTrack::distanceTo(const LiveTrack& other, Time time) const {
+  const AngularState mine = stateAt(time);
+  const AngularState theirs = chart_.fromTracking(other.chart_.toTracking(other.stateAt(time)));
+  Eigen::Vector4d difference = theirs.mean - mine.mean;
+  difference.head<2>() = angleDifference(theirs.angles(), mine.angles());
+  const Eigen::LLT<Eigen::Matrix4d> both(mine.covariance + theirs.covariance);
+  if (both.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return difference.dot(both.solve(difference));
+}
+
+void LiveTrack::takeUp(const LiveTrack& lost) {
+  id_ = lost.id_;
+  hits_ += lost.hits_;
 }
 
 Vouching LiveTrack::vouchingFor(const std::string& sensor, Time time, const SensorGuard& guard) const {
@@ -176,22 +248,31 @@ double LiveTrack::limit(double silence) const {
   return std::max(silence, kPaces * interval_);
 }
 
+bool LiveTrack::isDeadTentative(const LifecycleParams& lifecycle) const {
+  if (lifecycle.by_existence) return existence_.gain() < kHopeless;
+  return scans_ - static_cast<int>(hits_) > lifecycle.confirm_scans - lifecycle.confirm_hits;
+}
+
 bool LiveTrack::isDead(Time time, const LifecycleParams& lifecycle, bool adapt_gate) {
   const double silence = seconds(time - last_sighting_);
   const auto misses = static_cast<int>(misses_);
-  if (silence > limit(lifecycle.delete_silence) || misses >= lifecycle.delete_misses) return true;
-  const AngularState state = *estimator_->stateAt(time);
+  const bool is_given_up = silence > limit(lifecycle.delete_silence) ||
+                           (!lifecycle.by_existence && misses >= lifecycle.delete_misses);
+  if (status_ == TrackStatus::tentative && (is_given_up || isDeadTentative(lifecycle))) return true;
+  const AngularState& state = stateAt(time);
   if (!isUsable(state)) return true;
-  if (status_ == TrackStatus::tentative) {
-    return scans_ - static_cast<int>(hits_) > lifecycle.confirm_scans - lifecycle.confirm_hits;
-  }
+  if (status_ == TrackStatus::tentative) return false;
+
   const Eigen::Matrix2d R = noiseCovariance(last_covariance_, estimator_->noiseScale());
   const Eigen::Matrix2d S = gateScale(adapt_gate) * (state.anglesCovariance() + R);
   const Eigen::Vector2d spread = S.diagonal().cwiseQuotient(R.diagonal()).cwiseSqrt();
   if (spread.maxCoeff() > lifecycle.max_spread) return true;
   const bool coasts = silence > limit(lifecycle.coast_silence) || misses >= lifecycle.coast_misses;
   status_ = coasts ? TrackStatus::coasting : TrackStatus::confirmed;
-  return false;
+
+  const double existence = lifecycle.by_existence ? existence_.probability() : 1.0;
+  if (is_given_up || existence < lifecycle.show_existence) lost_ = true;
+  return lost_ && silence > limit(lifecycle.remember);
 }
 
 Track LiveTrack::report(Time time, const GateParams& gate, bool adapt_gate,
@@ -199,12 +280,13 @@ Track LiveTrack::report(Time time, const GateParams& gate, bool adapt_gate,
   Track track;
   track.id = id_;
   track.status = status_;
-  AngularState state = *estimator_->stateAt(time);
+  AngularState state = stateAt(time);
   state.covariance.diagonal().head<2>() += biasVariance(time);
   track.state = chart_.toTracking(state);
   track.last_sighting = last_sighting_;
   track.hits = hits_;
   track.misses = misses_;
+  track.existence = existence_.probability();
 
   // The next sighting is expected one usual interval later.
   AngularState next = *estimator_->stateAt(time + durationOf(interval_));

@@ -9,6 +9,7 @@
 namespace sightline::core {
 namespace {
 
+constexpr double kSameMotion = 18.5;      // 99.9 % of chi^2 with four degrees of freedom
 constexpr std::size_t kMostChanges = 64;  // of sensors' verdicts that are remembered
 
 bool hasUsableNumbers(const Sighting& sighting) {
@@ -67,13 +68,24 @@ Sifted sift(const Scan& scan, std::size_t most) {
 
 LocalTracker::LocalTracker(const LocalTrackerParams& params)
     : params_(params),
-      state_{Time{}, 1, {}, NoiseCalibration(params.noise_calibration), SensorGuard(params.guard), {}},
+      state_(firstState(Time{}, 1)),
       memory_(params.max_lag, params.guard.enabled ? params.guard.roll_back : 0.0) {
   if (params.max_tracks < 1 || params.max_sightings < 1 || !(params.max_lag >= 0.0)) {
     throw std::invalid_argument(
         "LocalTrackerParams: max_tracks and max_sightings >= 1, max_lag >= 0 are required");
   }
   makeEstimator(params.estimator);  // refuses what cannot work before the first sighting comes
+}
+
+LocalTracker::State LocalTracker::firstState(Time time, std::uint32_t next_id) const {
+  return {time,
+          next_id,
+          {},
+          NoiseCalibration(params_.noise_calibration),
+          DetectionCalibration(params_.detection),
+          {},
+          SensorGuard(params_.guard),
+          {}};
 }
 
 ScanReport LocalTracker::onScan(const Scan& scan) {
@@ -112,10 +124,7 @@ std::string LocalTracker::refusalOf(const Scan& scan) const {
 }
 
 void LocalTracker::startAnew(Time time) {
-  state_.tracks.clear();
-  state_.calibration = NoiseCalibration(params_.noise_calibration);
-  state_.guard = SensorGuard(params_.guard);
-  state_.time = time;
+  state_ = firstState(time, state_.next_id);
   memory_.clear();
 }
 
@@ -202,14 +211,15 @@ std::vector<SensorChange> LocalTracker::newChanges() {
 LocalTracker::Look LocalTracker::lookAt(const Scan& scan, double noise_scale) {
   const bool is_scaled = noise_scale != 1.0 && std::isfinite(noise_scale);
   Look look;
-  look.expectations = predict(scan.time);
+  look.expectations = predict(scan);
   if (const double variance = state_.guard.clockVariance(scan.sensor); variance > 0.0) {
     for (Expectation& expectation : look.expectations) {
       const Eigen::Vector2d rates = expectation.prediction.rates();
       expectation.smear = variance * rates * rates.transpose();
     }
   }
-  look.pairing = associate(is_scaled ? withNoise(scan, noise_scale) : scan, look.expectations, params_.gate);
+  look.pairing = associate(is_scaled ? withNoise(scan, noise_scale) : scan, look.expectations, params_.gate,
+                           state_.detection.clutterDensity(scan));
   if (!params_.guard.enabled) return look;
   look.vouching.reserve(state_.tracks.size());
   for (const LiveTrack& track : state_.tracks)
@@ -224,8 +234,11 @@ std::vector<Association> LocalTracker::settle(const Scan& scan, double noise_sca
   const bool is_scaled = noise_scale != 1.0 && !is_excluded;
   const Scan scaled = is_scaled ? withNoise(scan, noise_scale) : Scan{};
   const Scan& used = is_scaled ? scaled : scan;
-  update(used, look, is_excluded);
+  const std::vector<std::uint32_t> fresh = update(used, look, is_excluded);
+  if (!is_excluded) learnDetection(scan, look);
+  for (const std::uint32_t id : fresh) knowAgain(id, look.pairing);
   start(used, look.pairing);
+  mergeDuplicates(look);
   giveUpTheDead(scan.time);
   return std::move(look.pairing.decisions);
 }
@@ -252,10 +265,13 @@ void LocalTracker::leaveOut(const Scan& scan, Look& look) const {
   }
 }
 
-std::vector<Expectation> LocalTracker::predict(Time time) {
+std::vector<Expectation> LocalTracker::predict(const Scan& scan) {
+  const double detection_probability = state_.detection.probability(scan);
   std::vector<Expectation> expectations;
   expectations.reserve(state_.tracks.size());
-  for (LiveTrack& track : state_.tracks) expectations.push_back(track.expect(time, params_.adapt_gate));
+  for (LiveTrack& track : state_.tracks) {
+    expectations.push_back(track.expect(scan, detection_probability, params_.lifecycle, params_.adapt_gate));
+  }
   return expectations;
 }
 
@@ -276,32 +292,91 @@ void LocalTracker::calibrate(const Scan& scan, const Sighting& sighting, const L
 
 /// Tracks that were paired take their sighting, the others have missed; where the sensor is left out it says
 /// nothing either way.
-void LocalTracker::update(const Scan& scan, const Look& look, bool is_excluded) {
+/// Returns the ids of the tracks that have come to be believed by it.
+std::vector<std::uint32_t> LocalTracker::update(const Scan& scan, const Look& look, bool is_excluded) {
+  std::vector<std::uint32_t> fresh;
   for (std::size_t i = 0; i < state_.tracks.size(); ++i) {
     LiveTrack& track = state_.tracks[i];
-    const int sighting = look.pairing.sighting_of[i];
-    if (sighting >= 0) {
-      calibrate(scan, scan.sightings[static_cast<std::size_t>(sighting)], track, look.expectations[i]);
-      track.take(scan, scan.sightings[static_cast<std::size_t>(sighting)], look.expectations[i],
-                 params_.lifecycle);
+    const Expectation& expectation = look.expectations[i];
+    const int taken = look.pairing.sighting_of[i];
+    if (taken >= 0) {
+      const Sighting& sighting = scan.sightings[static_cast<std::size_t>(taken)];
+      calibrate(scan, sighting, track, expectation);
+      const bool was_tentative = !track.isBelieved() && !track.isLost();
+      track.take(scan, sighting, expectation, look.pairing.evidence[i], params_.lifecycle);
+      if (was_tentative && track.isBelieved()) fresh.push_back(track.id());
     } else if (!is_excluded || look.vouching[i].others == 0) {
-      track.miss(scan, params_.lifecycle);
+      track.miss(scan, expectation, look.pairing.evidence[i], params_.lifecycle);
     }
   }
+  return fresh;
+}
+
+/// A track that has just come to be believed may be of a target that was lost: then it goes on as its track.
+void LocalTracker::knowAgain(std::uint32_t id, Pairing& pairing) {
+  auto& tracks = state_.tracks;
+  const auto fresh =
+      std::find_if(tracks.begin(), tracks.end(), [&](const LiveTrack& track) { return track.id() == id; });
+  auto nearest = tracks.end();
+  double least = kSameMotion;
+  for (auto lost = tracks.begin(); lost != tracks.end(); ++lost) {
+    if (!lost->isLost()) continue;
+    const double distance = lost->distanceTo(*fresh, state_.time);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = lost;
+  }
+  if (nearest == tracks.end()) return;
+  fresh->takeUp(*nearest);
+  for (Association& decision : pairing.decisions) {
+    if (decision.track == id) decision.track = fresh->id();
+  }
+  tracks.erase(nearest);
+  std::sort(tracks.begin(), tracks.end(),
+            [](const LiveTrack& a, const LiveTrack& b) { return a.id() < b.id(); });
+}
+
+/// What the scan tells of how its sensor sees settled targets, and of its false sightings.
+void LocalTracker::learnDetection(const Scan& scan, const Look& look) {
+  int looked = 0, seen = 0;
+  std::vector<bool> unclaimed(scan.sightings.size(), true);
+  for (std::size_t i = 0; i < look.expectations.size(); ++i) {
+    const int taken = look.pairing.sighting_of[i];
+    if (taken >= 0 && look.expectations[i].believed) unclaimed[static_cast<std::size_t>(taken)] = false;
+    if (!state_.tracks[i].isSettled() || !look.expectations[i].is_in_view) continue;
+    ++looked;
+    if (taken >= 0) ++seen;
+  }
+  state_.detection.take(scan, looked, seen, unclaimed);
 }
 
 /// Sightings that nobody claims start tracks of their own, while there is room.
 void LocalTracker::start(const Scan& scan, Pairing& pairing) {
+  const double odds =
+      params_.lifecycle.births * state_.detection.interval(scan.sensor) / state_.detection.clutter(scan);
   for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
     if (!pairing.may_start[j] || state_.tracks.size() >= static_cast<std::size_t>(params_.max_tracks))
       continue;
     const std::uint32_t id = state_.next_id++;
-    state_.tracks.emplace_back(id, scan, scan.sightings[j], makeEstimator(params_.estimator));
+    state_.tracks.emplace_back(id, scan, scan.sightings[j], makeEstimator(params_.estimator), odds);
     pairing.decisions[j] = Association{};
     pairing.decisions[j].sighting = static_cast<std::uint32_t>(j);
     pairing.decisions[j].track = id;
     pairing.decisions[j].decision = Decision::started_track;
   }
+}
+
+/// Of tracks that follow one target the oldest goes on.
+void LocalTracker::mergeDuplicates(const Look& look) {
+  const std::vector<std::uint32_t> duplicates =
+      state_.duplicates.watch(look.expectations, look.pairing, params_.lifecycle.merge_scans);
+  if (duplicates.empty()) return;
+  auto& tracks = state_.tracks;
+  tracks.erase(std::remove_if(tracks.begin(), tracks.end(),
+                              [&](const LiveTrack& track) {
+                                return std::binary_search(duplicates.begin(), duplicates.end(), track.id());
+                              }),
+               tracks.end());
 }
 
 void LocalTracker::giveUpTheDead(Time time) {
@@ -317,6 +392,7 @@ std::vector<Track> LocalTracker::report() const {
   std::vector<Track> tracks;
   tracks.reserve(state_.tracks.size());
   for (const LiveTrack& track : state_.tracks) {
+    if (track.isLost()) continue;
     tracks.push_back(track.report(state_.time, params_.gate, params_.adapt_gate, params_.lifecycle));
   }
   return tracks;

@@ -121,13 +121,32 @@ core::GateParams loadGateParams(const ParamReader& reader, core::GateParams para
 }
 
 core::LifecycleParams loadLifecycleParams(const ParamReader& reader, core::LifecycleParams params) {
+  params.by_existence = reader.flag("by_existence", params.by_existence);
   params.confirm_scans = reader.integer("confirm_scans", params.confirm_scans, 1, kMany);
   params.confirm_hits = reader.integer("confirm_hits", params.confirm_hits, 1, params.confirm_scans);
   params.coast_misses = reader.integer("coast_misses", params.coast_misses, 1, kMany);
   params.coast_silence = reader.number("coast_silence", params.coast_silence, above(0.0), "s");
   params.delete_misses = reader.integer("delete_misses", params.delete_misses, 1, kMany);
   params.delete_silence = reader.number("delete_silence", params.delete_silence, above(0.0), "s");
+  params.confirm_existence = reader.number("confirm_existence", params.confirm_existence, inside(0.0, 1.0));
+  params.show_existence =
+      reader.number("show_existence", params.show_existence, Range{0.0, 1.0, false, true});
+  params.births = reader.number("births", params.births, above(0.0), "1/s");
+  core::PresenceParams& presence = params.presence;
+  presence.mean_life = reader.number("mean_life", presence.mean_life, above(0.0), "s");
+  presence.mean_shown = reader.number("mean_shown", presence.mean_shown, above(0.0), "s");
+  presence.mean_hidden = reader.number("mean_hidden", presence.mean_hidden, above(0.0), "s");
+  presence.mean_patience = reader.number("mean_patience", presence.mean_patience, above(0.0), "s");
+  params.remember = reader.number("remember", params.remember, atLeast(0.0), "s");
   params.max_spread = reader.number("max_spread", params.max_spread, above(1.0));
+  params.merge_scans = reader.integer("merge_scans", params.merge_scans, 1, kMany);
+  return params;
+}
+
+core::DetectionParams loadDetectionParams(const ParamReader& reader, core::DetectionParams params) {
+  params.probability = reader.number("probability", params.probability, Range{0.0, 1.0, false, false});
+  params.clutter_density = reader.number("clutter_density", params.clutter_density, anyNumber(), "1/sr");
+  params.memory = reader.number("memory", params.memory, atLeast(10.0), "scans");
   return params;
 }
 
@@ -244,6 +263,7 @@ core::LocalTrackerParams loadLocalTrackerParams(const ParamReader& reader, core:
   params.estimator = loadEstimatorParams(reader, params.estimator);
   params.gate = loadGateParams(reader.sub("gate"), params.gate);
   params.lifecycle = loadLifecycleParams(reader.sub("lifecycle"), params.lifecycle);
+  params.detection = loadDetectionParams(reader.sub("detection"), params.detection);
   params.guard = loadGuardParams(reader.sub("guard"), params.guard);
   params.adapt_gate = reader.flag("adapt_gate", params.adapt_gate);
   params.noise_calibration.enabled = params.estimator.twbls_consistent.noise.enabled;

@@ -16,6 +16,7 @@ Expectation expectation(std::uint32_t id, double azimuth, bool believed = true, 
   expectation.believed = believed;
   expectation.guards = believed;
   expectation.prediction.mean << azimuth, 0.0, 0.0, 0.0;
+  expectation.direction = directionOf({azimuth, 0.0});
   expectation.prediction.covariance = Eigen::Matrix4d::Identity() * sigma * sigma;
   return expectation;
 }
@@ -30,13 +31,14 @@ Scan scanOf(const std::vector<double>& azimuths) {
 TEST(Association, TakesTheOptimumAndNotTheNearestPairFirst) {
   // The nearest pair is (track 1, sighting 0), but it would leave track 2 without its only sighting.
   const Pairing pairing =
-      associate(scanOf({0.0008, -0.003}), {expectation(1, 0.0), expectation(2, 0.004)}, GateParams{});
+      associate(scanOf({0.0008, -0.003}), {expectation(1, 0.0), expectation(2, 0.004)}, GateParams{}, 1.0);
   EXPECT_EQ(pairing.sighting_of, (std::vector<int>{1, 0}));
   EXPECT_EQ(pairing.expectation_of, (std::vector<int>{1, 0}));
 }
 
 TEST(Association, EverySightingHasItsDecisionAndItsNumbers) {
-  const Pairing pairing = associate(scanOf({0.0, 0.001, 0.5, 0.012}), {expectation(7, 0.0)}, GateParams{});
+  const Pairing pairing =
+      associate(scanOf({0.0, 0.001, 0.5, 0.012}), {expectation(7, 0.0)}, GateParams{}, 1.0);
   EXPECT_EQ(pairing.decisions[0].decision, Decision::accepted);
   EXPECT_EQ(pairing.decisions[0].track, 7u);
   EXPECT_EQ(pairing.decisions[1].decision, Decision::claimed_by_other);
@@ -51,13 +53,13 @@ TEST(Association, EverySightingHasItsDecisionAndItsNumbers) {
 
 TEST(Association, BelievedTracksChooseBeforeTentativeOnes) {
   const Pairing pairing =
-      associate(scanOf({0.001}), {expectation(1, 0.001, false), expectation(2, 0.0)}, GateParams{});
+      associate(scanOf({0.001}), {expectation(1, 0.001, false), expectation(2, 0.0)}, GateParams{}, 1.0);
   EXPECT_EQ(pairing.sighting_of, (std::vector<int>{-1, 0}));
 }
 
 TEST(Association, NothingOutsideAGateIsEverPaired) {
   const Pairing pairing =
-      associate(scanOf({0.1, -0.1}), {expectation(1, 0.0), expectation(2, 0.05)}, GateParams{});
+      associate(scanOf({0.1, -0.1}), {expectation(1, 0.0), expectation(2, 0.05)}, GateParams{}, 1.0);
   EXPECT_EQ(pairing.sighting_of, (std::vector<int>{-1, -1}));
 }
 
@@ -65,26 +67,66 @@ TEST(Association, PairsAreTheSameWhateverTheOrderOfSightings) {
   std::vector<double> azimuths{0.0, 0.0011, 0.0025, 0.004, 0.3};
   const std::vector<Expectation> expectations{expectation(1, 0.0005), expectation(2, 0.002),
                                               expectation(3, 0.0041)};
-  const Pairing straight = associate(scanOf(azimuths), expectations, GateParams{});
+  const Pairing straight = associate(scanOf(azimuths), expectations, GateParams{}, 1.0);
   std::reverse(azimuths.begin(), azimuths.end());
-  const Pairing reversed = associate(scanOf(azimuths), expectations, GateParams{});
+  const Pairing reversed = associate(scanOf(azimuths), expectations, GateParams{}, 1.0);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(straight.sighting_of[i], 4 - reversed.sighting_of[i]);
+}
+
+TEST(Association, LeavesASightingToTheClutterWhereThatIsMoreLikely) {
+  // At d^2 = 9 the sighting has P_D N = 0.9 exp(-4.5) / (2 pi sigma_S^2) = 796 a steradian; a miss has 0.1.
+  const Scan scan = scanOf({3.0 * kSigma * std::sqrt(2.0)});
+  const double density = 0.9 * std::exp(-4.5) / (2.0 * 3.14159265358979 * 2.0 * kSigma * kSigma);
+  EXPECT_EQ(associate(scan, {expectation(1, 0.0)}, GateParams{}, 9.9 * density).sighting_of[0], 0);
+  EXPECT_EQ(associate(scan, {expectation(1, 0.0)}, GateParams{}, 10.1 * density).sighting_of[0], -1);
+}
+
+TEST(Association, EvidenceIsTheLikelihoodOfTheTargetOverThatOfClutter) {
+  const Pairing pairing =
+      associate(scanOf({0.0}), {expectation(1, 0.0), expectation(2, 0.5)}, GateParams{}, 50.0);
+  const double N = 1.0 / (2.0 * 3.14159265358979 * 2.0 * kSigma * kSigma);
+  EXPECT_NEAR(pairing.evidence[0], 0.1 + 0.9 * N / 50.0, 1e-6 * N);
+  EXPECT_NEAR(pairing.evidence[1], 0.1, 1e-12);
+}
+
+TEST(Association, EvidenceIsTheSameAtEveryElevation) {
+  // The same sighting on the sphere, at the equator and at 67 degrees, in the same clutter.
+  double evidence[2];
+  for (const double elevation : {0.0, 1.17}) {
+    const Eigen::Vector2d sigma(kSigma / std::cos(elevation), kSigma);
+    Expectation there = expectation(1, 0.0);
+    there.chart = Chart::around(directionOf({0.2, elevation}));
+    there.prediction.mean << 0.0, elevation, 0.0, 0.0;
+    there.direction = there.chart.directionAt({0.0, elevation});
+    there.prediction.covariance.topLeftCorner<2, 2>() = sigma.cwiseAbs2().asDiagonal();
+    Scan scan;
+    scan.sightings.push_back(sightingOf({0.2, elevation}, sigma.cwiseAbs2().asDiagonal()));
+    evidence[elevation > 0.0] = associate(scan, {there}, GateParams{}, 5.0).evidence[0];
+  }
+  EXPECT_NEAR(evidence[0], evidence[1], 1e-6 * evidence[0]);
+}
+
+TEST(Association, ATargetThatTheSensorDoesNotLookAtIsNotMissed) {
+  Expectation out_of_view = expectation(1, 0.5);
+  out_of_view.is_in_view = false;
+  EXPECT_EQ(associate(scanOf({0.0}), {out_of_view}, GateParams{}, 1.0).evidence[0], 1.0);
 }
 
 TEST(Association, WorksAcrossTheWrapAndAtAnElevationOf67Degrees) {
   Expectation far = expectation(1, 0.0);
   far.chart = Chart::around(directionOf({3.1415, 0.0}));
   far.prediction.mean << 0.0, 1.17, 0.0, 0.0;
+  far.direction = far.chart.directionAt({0.0, 1.17});
   Scan scan;
   const double azimuth_sigma = kSigma / std::cos(1.17);
   scan.sightings.push_back(sightingOf(
       {-3.1412, 1.171}, Eigen::Vector2d(azimuth_sigma * azimuth_sigma, kSigma * kSigma).asDiagonal()));
-  EXPECT_EQ(associate(scan, {far}, GateParams{}).sighting_of, std::vector<int>{0});
+  EXPECT_EQ(associate(scan, {far}, GateParams{}, 1.0).sighting_of, std::vector<int>{0});
 }
 
 TEST(Association, EmptyScansAndNoTracksAreFine) {
-  EXPECT_EQ(associate(Scan{}, {expectation(1, 0.0)}, GateParams{}).sighting_of, std::vector<int>{-1});
-  EXPECT_TRUE(associate(scanOf({0.0}), {}, GateParams{}).may_start[0]);
+  EXPECT_EQ(associate(Scan{}, {expectation(1, 0.0)}, GateParams{}, 1.0).sighting_of, std::vector<int>{-1});
+  EXPECT_TRUE(associate(scanOf({0.0}), {}, GateParams{}, 1.0).may_start[0]);
 }
 
 }  // namespace

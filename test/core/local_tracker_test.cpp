@@ -66,10 +66,10 @@ TEST(LocalTracker, ConfirmsATargetAfterMSightingsAndReportsEveryDecision) {
   EXPECT_EQ(report.tracks.at(0).status, TrackStatus::tentative);
   report = tracker.onScan(sensor.look(0.03, {kStill}));
   EXPECT_EQ(report.associations[0].decision, Decision::accepted);
-  report = tracker.onScan(sensor.look(0.06, {kStill}));
   EXPECT_TRUE(confirmed(report).empty());
-  report = tracker.onScan(sensor.look(0.09, {kStill}));
+  report = tracker.onScan(sensor.look(0.06, {kStill}));
   ASSERT_EQ(confirmed(report).size(), 1u);
+  EXPECT_GT(report.tracks[0].existence, 0.999);
   EXPECT_EQ(report.tracks[0].id, report.associations[0].track);
   EXPECT_LE(report.associations[0].distance_squared, report.associations[0].threshold);
   EXPECT_EQ(report.tracks[0].sources, std::vector<std::string>{"camera"});
@@ -180,16 +180,147 @@ TEST(LocalTracker, CoastsThroughAGapAndTakesTheTargetUpAgain) {
   ScanReport report;
   for (int k = 0; k < 60; ++k) report = tracker.onScan(sensor.look(0.03 * k, {path}));
   const std::uint32_t id = report.tracks.at(0).id;
-  const double width = report.tracks[0].gate.half_width(0);
-  for (int k = 60; k < 85; ++k) report = tracker.onScan(sensor.look(0.03 * k, {}));
+  const double width = report.tracks[0].gate.half_width(0), existence = report.tracks[0].existence;
+  for (int k = 60; k < 63; ++k) report = tracker.onScan(sensor.look(0.03 * k, {}));
   ASSERT_EQ(report.tracks.size(), 1u);
   EXPECT_EQ(report.tracks[0].status, TrackStatus::coasting);
-  EXPECT_EQ(report.tracks[0].misses, 25u);
+  EXPECT_EQ(report.tracks[0].misses, 3u);
   EXPECT_GT(report.tracks[0].gate.half_width(0), width);
-  report = tracker.onScan(sensor.look(2.55, {path}));
+  EXPECT_LT(report.tracks[0].existence, existence);
+  report = tracker.onScan(sensor.look(0.03 * 63, {path}));
   ASSERT_EQ(report.tracks.size(), 1u);
   EXPECT_EQ(report.tracks[0].id, id);
   EXPECT_EQ(report.tracks[0].status, TrackStatus::confirmed);
+}
+
+TEST(LocalTracker, HidesATargetThatIsMoreLikelyGoneThanThereAndKnowsItAgainAtItsNextSighting) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  const Path path = [](double t) { return Eigen::Vector2d(0.05 * t, 0.1); };
+  ScanReport report;
+  for (int k = 0; k < 60; ++k) report = tracker.onScan(sensor.look(0.03 * k, {path}));
+  const std::uint32_t id = report.tracks.at(0).id;
+  for (int k = 60; k < 85; ++k) report = tracker.onScan(sensor.look(0.03 * k, {}));
+  EXPECT_TRUE(report.tracks.empty());
+  report = tracker.onScan(sensor.look(0.03 * 85, {path}));
+  ASSERT_EQ(report.tracks.size(), 1u);
+  EXPECT_EQ(report.tracks[0].id, id);
+  EXPECT_EQ(report.tracks[0].status, TrackStatus::confirmed);
+}
+
+TEST(LocalTracker, CoastsToTheLimitOfMissesWhereExistenceIsNotToDecide) {
+  LocalTrackerParams params;
+  params.lifecycle.by_existence = false;
+  LocalTracker tracker{params};
+  Sensor sensor;
+  ScanReport report;
+  for (int k = 0; k < 60; ++k) report = tracker.onScan(sensor.look(0.03 * k, {kStill}));
+  for (int k = 60; k < 89; ++k) report = tracker.onScan(sensor.look(0.03 * k, {}));
+  ASSERT_EQ(report.tracks.size(), 1u);
+  EXPECT_EQ(report.tracks[0].misses, 29u);
+  EXPECT_TRUE(tracker.onScan(sensor.look(0.03 * 89, {})).tracks.empty());
+}
+
+TEST(LocalTracker, ATargetThatTurnsWhileItIsHiddenIsKnownAgainByItsNewTrack) {
+  // It comes back outside the gate of its old track, but where the target may well have gone.
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  const Path before = [](double t) { return Eigen::Vector2d(0.02 * std::sin(2.0 * t), 0.1); };
+  ScanReport report;
+  for (int k = 0; k < 100; ++k) report = tracker.onScan(sensor.look(0.03 * k, {before}));
+  const std::uint32_t id = report.tracks.at(0).id;
+  for (int k = 100; k < 140; ++k) report = tracker.onScan(sensor.look(0.03 * k, {}));
+  EXPECT_TRUE(report.tracks.empty());
+  for (int k = 140; k < 150; ++k) report = tracker.onScan(sensor.look(0.03 * k, {before}));
+  ASSERT_EQ(confirmed(report).size(), 1u);
+  EXPECT_EQ(confirmed(report)[0].id, id);
+}
+
+TEST(LocalTracker, ATargetThatLeavesTheFieldOfViewIsNotMissed) {
+  for (const bool is_known : {true, false}) {
+    LocalTracker tracker{LocalTrackerParams{}};
+    Sensor sensor;
+    const Path path = [](double t) { return Eigen::Vector2d(0.05 * t, 0.0); };
+    ScanReport report;
+    for (int k = 0; k < 80; ++k) {
+      Scan scan = sensor.look(0.03 * k, k < 60 ? std::vector<Path>{path} : std::vector<Path>{});
+      if (is_known) scan.view = FieldOfView{Eigen::Matrix3d::Identity(), {0.05 * 0.03 * 59.5, 0.1}};
+      report = tracker.onScan(scan);
+    }
+    if (is_known) {
+      ASSERT_EQ(report.tracks.size(), 1u);
+      EXPECT_EQ(report.tracks[0].misses, 0u);
+      EXPECT_EQ(report.tracks[0].status, TrackStatus::coasting);  // by silence
+    } else {
+      EXPECT_TRUE(report.tracks.empty());
+    }
+  }
+}
+
+/// A scan of targets that are seen with a probability, among false sightings in 0.8 x 0.6 rad.
+Scan lookInClutter(Sensor& sensor, double time, const std::vector<Path>& targets, double probability,
+                   int clutter) {
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<Path> seen;
+  for (const Path& target : targets) {
+    if (0.5 * (uniform(sensor.random) + 1.0) < probability) seen.push_back(target);
+  }
+  for (int j = 0; j < clutter; ++j) {
+    const Eigen::Vector2d place(0.4 * uniform(sensor.random), 0.3 * uniform(sensor.random));
+    seen.push_back([place](double) { return place; });
+  }
+  return sensor.look(time, seen);
+}
+
+TEST(LocalTracker, FiftyFalseSightingsAScanHideNoTargetAndMakeNone) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  const Path other = [](double t) { return Eigen::Vector2d(0.01 * t, 0.1 - 0.01 * t); };
+  std::set<std::uint32_t> ids;
+  for (int k = 0; k < 900; ++k) {
+    const ScanReport report = tracker.onScan(lookInClutter(sensor, 0.0333 * k, {kSine, other}, 0.8, 50));
+    for (const Track& track : confirmed(report)) ids.insert(track.id);
+  }
+  EXPECT_EQ(ids.size(), 2u);
+  // Half a minute tells what the sensor is like; nobody has said it.
+  const Scan scan = sensor.look(40.0, {});
+  EXPECT_NEAR(tracker.detection().probability(scan), 0.8, 0.06);
+  EXPECT_NEAR(tracker.detection().clutterDensity(scan), 50.0 / (0.8 * 0.6), 15.0);
+}
+
+TEST(LocalTracker, TwoTracksOfOneTargetBecomeOne) {
+  // Two sensors that disagree by eight sigmas at first: a track for each. Then they agree.
+  LocalTrackerParams params;
+  params.guard.enabled = false;
+  LocalTracker tracker{params};
+  Sensor sensor, other;
+  other.name = "other";
+  other.random.seed(2);
+  ScanReport report;
+  std::size_t most = 0;
+  for (int k = 0; k < 200; ++k) {
+    const double offset = std::max(0.0, 0.012 - 0.0002 * k);
+    const Path shifted = [&](double t) { return Eigen::Vector2d(kStill(t) + Eigen::Vector2d(offset, 0.0)); };
+    report = tracker.onScan(sensor.look(0.03 * k, {kStill}));
+    report = tracker.onScan(other.look(0.03 * k + 0.015, {shifted}));
+    most = std::max(most, confirmed(report).size());
+  }
+  EXPECT_EQ(most, 2u);
+  EXPECT_EQ(confirmed(report).size(), 1u);
+  EXPECT_EQ(confirmed(report)[0].sources.size(), 2u);
+}
+
+TEST(LocalTracker, TargetsThatFlyTogetherStayTwo) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  const Path beside = [](double t) { return Eigen::Vector2d(kSine(t) + Eigen::Vector2d(0.006, 0.0)); };
+  std::set<std::uint32_t> ids;
+  for (int k = 0; k < 900; ++k) {
+    for (const Track& track :
+         confirmed(tracker.onScan(lookInClutter(sensor, 0.03 * k, {kSine, beside}, 0.9, 2))))
+      ids.insert(track.id);
+  }
+  EXPECT_EQ(ids.size(), 2u);
 }
 
 TEST(LocalTracker, GivesATargetUpAfterSilenceAndNeverReusesItsId) {
@@ -491,7 +622,7 @@ TEST(LocalTracker, AHundredThousandSightingsInOneScanAreBoundedAndTheTrackSurviv
   }
   ScanReport report = tracker.onScan(flood);
   EXPECT_EQ(report.associations.size(), 100000u);
-  EXPECT_LE(report.tracks.size(), 500u);
+  EXPECT_LE(report.tracks.size(), 1000u);
   EXPECT_EQ(report.tracks[0].hits, 21u);
   EXPECT_EQ(report.associations.back().decision, Decision::rejected_input);
   for (int k = 21; k < 40; ++k) report = tracker.onScan(sensor.look(0.03 * k, {kStill}));

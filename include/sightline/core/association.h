@@ -17,12 +17,15 @@ struct Expectation {
   bool believed = false;  ///< confirmed or coasting: chooses before the tentative ones
   bool guards = false;    ///< confirmed and not coasting: no track is started in its gate
   Chart chart;
-  AngularState prediction;  ///< in the chart, at the time of the scan
+  AngularState prediction;                               ///< in the chart, at the time of the scan
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< predicted, tracking frame
   /// Added to the covariance of every sighting [rad^2]: how far the target moves within the error of the
   /// scan's stamp.
   Eigen::Matrix2d smear = Eigen::Matrix2d::Zero();
   Eigen::Vector2d noise_scale = Eigen::Vector2d::Ones();  ///< of the sightings, as the track has found it
   double innovation_scale = 1.0;                          ///< by which S is enlarged, >= 1
+  double detection_probability = 0.9;  ///< that the scan shows the target, were it there, in (0, 1)
+  bool is_in_view = true;  ///< false: the sensor does not look there, or has never shown the target
 
   /// Covariance of the noise of a sighting in the chart, by what the track has found [rad^2].
   Eigen::Matrix2d noiseOf(const Sighting& sighting) const {
@@ -34,15 +37,23 @@ struct Expectation {
 struct Pairing {
   std::vector<int> sighting_of;     ///< for each expectation
   std::vector<int> expectation_of;  ///< for each sighting
-  std::vector<bool> may_start;      ///< for each sighting: free, and in no guarded gate
+  /// For each expectation: how many times as often the target would have given what was seen as clutter does:
+  /// 1 - P_D + P_D N(innovation; 0, S) / clutter density, 1 - P_D without a sighting, 1 out of view.
+  std::vector<double> evidence;
+  std::vector<bool> may_start;  ///< for each sighting: free, and in no guarded gate
   std::vector<Association>
       decisions;  ///< for each sighting; those that may start a track are OUTSIDE_GATE still
 };
 
-/// Global nearest neighbour: the believed tracks choose first, then the tentative ones from what is left;
-/// each round is the optimal assignment on the cost d^2 + ln det S, inside gates only, as many tracks served
-/// as possible. The scan is in the tracking frame. Deterministic; the order of tracks or sightings changes
-/// nothing but ties.
-Pairing associate(const Scan& scan, const std::vector<Expectation>& expectations, const GateParams& gate);
+/// Global nearest neighbour: the believed tracks choose first, then the others from what is left; each round
+/// is, cluster by cluster, the assignment of the largest likelihood, of tracks that are seen, tracks that are
+/// missed, and sightings that are clutter: the sum of ln(P_D N(innovation; 0, S) / clutter density) over the
+/// pairs and of ln(1 - P_D) over the missed. N is a density on the sphere [1/sr], as that of the clutter.
+/// Inside gates only. The scan is in the tracking frame. Deterministic; the order of tracks or sightings
+/// changes nothing but ties.
+///
+/// `clutter_density`: of the scan's false sightings [1/sr], > 0.
+Pairing associate(const Scan& scan, const std::vector<Expectation>& expectations, const GateParams& gate,
+                  double clutter_density);
 
 }  // namespace sightline::core

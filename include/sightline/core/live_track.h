@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sightline/core/association.h"
 #include "sightline/core/chart.h"
 #include "sightline/core/estimator.h"
+#include "sightline/core/existence.h"
 #include "sightline/core/gate.h"
 #include "sightline/core/sensor_guard.h"
 #include "sightline/core/sighting.h"
@@ -17,19 +19,31 @@ namespace sightline::core {
 
 /// When a track is born, believed, and given up.
 ///
-/// A scan without a sighting of the target is a miss only if its sensor has seen the target before; silence
-/// is never a miss. A limit on silence counts as at least four of the track's usual intervals between
-/// sightings, so that one setting serves sensors of 1 Hz and of 100 Hz.
+/// A scan without a sighting of the target is a miss only if its sensor has seen the target before and looks
+/// where it is; silence is never a miss. A limit on silence counts as at least four of the track's usual
+/// intervals between sightings, so that one setting serves sensors of 1 Hz and of 100 Hz.
 struct LifecycleParams {
-  int confirm_hits = 4;         ///< M: sightings that make a track believed ...
-  int confirm_scans = 6;        ///< N: ... within so many scans; 1 <= M <= N
+  /// Whether the probability of existence decides; false: M sightings of N scans, and misses and silence.
+  bool by_existence = true;
+  int confirm_hits = 3;              ///< M: sightings that make a track believed, at least ...
+  int confirm_scans = 6;             ///< N: ... and without existence within so many scans; 1 <= M <= N
+  double confirm_existence = 0.999;  ///< probability of existence from which a track is believed, in (0, 1)
+  double show_existence = 0.5;  ///< below it a believed track is not shown until it is seen again, in [0, 1)
+  double births = 0.1;          ///< new targets expected in the view of a sensor [1/s], > 0
+  PresenceParams presence;      ///< how targets come and go
   int coast_misses = 3;         ///< misses in a row after which a track counts as coasting, >= 1
   double coast_silence = 0.3;   ///< silence after which it does [s], > 0
-  int delete_misses = 30;       ///< misses in a row after which it is given up, >= 1
-  double delete_silence = 2.0;  ///< silence after which it is given up [s], > 0
+  int delete_misses = 30;       ///< misses in a row after which a track is lost, without existence, >= 1
+  double delete_silence = 2.0;  ///< silence after which it is lost in any case [s], > 0
+  /// Silence up to which a lost target is remembered, and goes on as the same track when it is seen within
+  /// its gate or a new track agrees with its motion [s], >= 0
+  double remember = 5.0;
   /// A believed track whose gate is so many times as wide as the sightings' own sigma would make it knows
   /// nothing and lives on false sightings: it is given up. > 1
   double max_spread = 30.0;
+  /// Scans in a row in which two tracks at the same place with the same motion share the sightings of one
+  /// target, after which the younger is given up, >= 1
+  int merge_scans = 10;
 };
 
 constexpr std::uint32_t kSettledHits = 30;  // sightings of a track whose innovations tell of its sensors: a
@@ -39,9 +53,10 @@ constexpr std::uint32_t kSettledHits = 30;  // sightings of a track whose innova
 /// are deep.
 class LiveTrack {
  public:
-  /// A track started from one sighting (tracking frame) of a scan.
+  /// A track started from one sighting (tracking frame) of a scan. `odds`: of a new target against a false
+  /// sighting.
   LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sighting,
-            std::unique_ptr<Estimator> estimator);
+            std::unique_ptr<Estimator> estimator, double odds);
 
   LiveTrack(const LiveTrack& other);
   LiveTrack(LiveTrack&&) = default;
@@ -50,22 +65,37 @@ class LiveTrack {
   ~LiveTrack() = default;
 
   std::uint32_t id() const { return id_; }
-  bool isSettled() const { return status_ == TrackStatus::confirmed && hits_ >= kSettledHits; }
+  std::uint32_t hits() const { return hits_; }
+  bool isBelieved() const { return status_ != TrackStatus::tentative && !lost_; }
+  bool isSettled() const { return status_ == TrackStatus::confirmed && !lost_ && hits_ >= kSettledHits; }
 
-  /// What the track expects to see at `time`. Moves to a new chart when the target leaves the present one.
-  Expectation expect(Time time, bool adapt_gate);
+  /// A target that was believed and is not any more; remembered, to be known again.
+  bool isLost() const { return lost_; }
 
-  /// Takes a sighting; `expectation` is that for the scan's time.
-  void take(const Scan& scan, const Sighting& sighting, const Expectation& expectation,
+  /// What the track expects to see in a scan. Moves to a new chart when the target leaves the present one.
+  /// `detection_probability`: the sensor's.
+  Expectation expect(const Scan& scan, double detection_probability, const LifecycleParams& lifecycle,
+                     bool adapt_gate);
+
+  /// Takes a sighting; `expectation` is that for the scan's time, `evidence` that of its pairing.
+  void take(const Scan& scan, const Sighting& sighting, const Expectation& expectation, double evidence,
             const LifecycleParams& lifecycle);
 
-  /// Counts a scan in which the target was not seen, if its sensor is one that sees the target.
-  void miss(const Scan& scan, const LifecycleParams& lifecycle);
+  /// The scan has not shown the target: counts it, if its sensor is one that could have.
+  void miss(const Scan& scan, const Expectation& expectation, double evidence,
+            const LifecycleParams& lifecycle);
+
+  /// Squared distance of the motions of two tracks at `time`, in units of both their covariances [1]; four
+  /// degrees of freedom where they are of the same target.
+  double distanceTo(const LiveTrack& other, Time time) const;
+
+  /// Goes on as the track that a target had before it was lost.
+  void takeUp(const LiveTrack& lost);
 
   /// How far the track can be a yardstick for a sensor at `time`.
   Vouching vouchingFor(const std::string& sensor, Time time, const SensorGuard& guard) const;
 
-  /// Whether the track is to be given up at `time`; otherwise its status is brought up to date.
+  /// Whether the track is to be forgotten at `time`; otherwise its status is brought up to date.
   bool isDead(Time time, const LifecycleParams& lifecycle, bool adapt_gate);
 
   /// The track in the tracking frame's angles at `time`, with the gate for the sighting that comes next.
@@ -84,19 +114,31 @@ class LiveTrack {
   Measurement measurementOf(const Scan& scan, const Sighting& sighting) const;
   void noteSource(const Scan& scan, const Eigen::Vector2d& innovation, const Eigen::Matrix2d& R);
   Eigen::Vector2d biasVariance(Time time) const;
+  bool hasBeenSeenBy(const Scan& scan, const LifecycleParams& lifecycle) const;
+  void weigh(Time time, double evidence, const LifecycleParams& lifecycle);
+  void noteLook(bool is_seen);
+  bool isConfirmedBy(const LifecycleParams& lifecycle) const;
+  bool isDeadTentative(const LifecycleParams& lifecycle) const;
+  const AngularState& stateAt(Time time) const;
   double limit(double silence) const;
   double gateScale(bool adapt_gate) const;
 
   std::uint32_t id_;
   TrackStatus status_ = TrackStatus::tentative;
+  bool lost_ = false;  // was believed, and is not shown any more
+  Existence existence_;
   Chart chart_;
   std::unique_ptr<Estimator> estimator_;
-  Eigen::Matrix2d last_covariance_;  // of the last sighting, in the chart [rad^2]
+  mutable std::optional<Time> known_at_;  // for which ...
+  mutable AngularState known_;            // ... the state has been asked, in the chart
+  Eigen::Matrix2d last_covariance_;       // of the last sighting, in the chart [rad^2]
   Time last_sighting_;
+  Time weighed_;                   // of `existence_`
   double interval_ = 0.0;          // usual time between sightings [s]; 0 = not known yet
   double innovation_scale_ = 1.0;  // running mean of d^2 / 2 with S as stated, 1 if S is right
   std::uint32_t hits_ = 1, misses_ = 0;
-  int scans_ = 1;  // that could have shown the target, since the start
+  int scans_ = 1;                     // that could have shown the target, since the start
+  double looked_ = 0.0, seen_ = 0.0;  // the last ones of these, and how many of them did
   std::vector<Source> sources_;
 };
 

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "sightline/core/association.h"
+#include "sightline/core/detection_calibration.h"
+#include "sightline/core/duplicate_tracks.h"
 #include "sightline/core/estimators.h"
 #include "sightline/core/gate.h"
 #include "sightline/core/live_track.h"
@@ -22,10 +24,11 @@ struct LocalTrackerParams {
   GateParams gate;
   bool adapt_gate = true;  ///< enlarge S by the innovations seen, where they are larger than S explains
   LifecycleParams lifecycle;
+  DetectionParams detection;
   NoiseCalibrationParams noise_calibration;
   GuardParams guard;
-  double max_lag = 0.5;  ///< scans up to this much older than the newest are put in their place [s], >= 0
-  int max_tracks = 500;  ///< no track is started beyond, >= 1
+  double max_lag = 0.5;   ///< scans up to this much older than the newest are put in their place [s], >= 0
+  int max_tracks = 1000;  ///< no track is started beyond, >= 1
   int max_sightings = 10000;  ///< of one scan; the rest is rejected, >= 1
 };
 
@@ -69,6 +72,9 @@ class LocalTracker {
   /// What has been learnt of each sensor's noise, by name.
   const std::vector<CalibratedSensor>& calibratedSensors() const { return state_.calibration.sensors(); }
 
+  /// What is known of how each sensor sees targets, and what is none.
+  const DetectionCalibration& detection() const { return state_.detection; }
+
  private:
   /// Everything that a scan changes.
   struct State {
@@ -76,6 +82,8 @@ class LocalTracker {
     std::uint32_t next_id = 1;
     std::vector<LiveTrack> tracks;  // ascending id
     NoiseCalibration calibration;
+    DetectionCalibration detection;
+    DuplicateTracks duplicates;
     SensorGuard guard;
     std::vector<SensorChange> changes;  // the last ones
   };
@@ -87,6 +95,7 @@ class LocalTracker {
     std::vector<Vouching> vouching;  // for each expectation; empty while the guard is off
   };
 
+  State firstState(Time time, std::uint32_t next_id) const;
   std::string refusalOf(const Scan& scan) const;
 
   void putInPlace(const Scan& scan, ScanReport& result);
@@ -101,8 +110,11 @@ class LocalTracker {
   Scan calibrated(const Scan& scan) const;
   void calibrate(const Scan& scan, const Sighting& sighting, const LiveTrack& track,
                  const Expectation& expectation);
-  std::vector<Expectation> predict(Time time);
-  void update(const Scan& scan, const Look& look, bool is_excluded);
+  std::vector<Expectation> predict(const Scan& scan);
+  std::vector<std::uint32_t> update(const Scan& scan, const Look& look, bool is_excluded);
+  void learnDetection(const Scan& scan, const Look& look);
+  void mergeDuplicates(const Look& look);
+  void knowAgain(std::uint32_t id, Pairing& pairing);
   void start(const Scan& scan, Pairing& pairing);
   void giveUpTheDead(Time time);
   std::vector<Track> report() const;

@@ -16,6 +16,8 @@ sightline::core::GateParams loadGateParams(const ParamReader& reader,
                                            sightline::core::GateParams defaults = {});
 sightline::core::LifecycleParams loadLifecycleParams(const ParamReader& reader,
                                                      sightline::core::LifecycleParams defaults = {});
+sightline::core::DetectionParams loadDetectionParams(const ParamReader& reader,
+                                                     sightline::core::DetectionParams defaults = {});
 sightline::core::SensorHealthParams loadSensorHealthParams(const ParamReader& reader,
                                                            sightline::core::SensorHealthParams defaults = {});
 
@@ -38,7 +40,7 @@ sightline::core::ImmParams loadImmParams(const ParamReader& reader, sightline::c
 sightline::core::EstimatorParams loadEstimatorParams(const ParamReader& reader,
                                                      sightline::core::EstimatorParams defaults = {});
 
-/// All of the above with `gate`, `lifecycle` and `guard`, and the tracker's own.
+/// All of the above with `gate`, `lifecycle`, `detection` and `guard`, and the tracker's own.
 sightline::core::LocalTrackerParams loadLocalTrackerParams(const ParamReader& reader,
                                                            sightline::core::LocalTrackerParams defaults = {});
 
