@@ -29,6 +29,7 @@ struct CrowdTarget {
   double meeting = 0.0;                                             ///< [s]
   Eigen::Vector2d weave{0.0, 0.0};                                  ///< amplitude [rad]
   double period = 10.0;                                             ///< of the weave [s]
+  double hidden_from = 0.0, hidden_to = 0.0;                        ///< there and not to be seen [s]
 
   Eigen::Vector2d placeAt(double time) const;
 };

@@ -68,6 +68,7 @@ CrowdRecording record(const CrowdScenario& scenario, std::uint64_t seed) {
       const Eigen::Vector2d off = (at - scenario.centre).cwiseAbs();
       if ((off.array() > scenario.half_field.array()).any()) continue;
       truth[static_cast<std::uint32_t>(i + 1)] = at;
+      if (time >= target.hidden_from && time < target.hidden_to) continue;
       if (uniform(random) >= scenario.detection_probability) continue;
       const Eigen::Vector2d noise(gauss(random), gauss(random));
       scan.sightings.push_back(sightingAt(at + scenario.sigma * noise, scenario.sigma));
