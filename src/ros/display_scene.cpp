@@ -14,11 +14,13 @@ namespace core = sightline::core;
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kGateOpacity = 0.035;
-constexpr double kLabelDistance = 18.0 * kDegree;  // from the rim of the ellipse
-constexpr double kViewTolerance = 1.0;             // from the view's axis before it is turned [rad]
-constexpr double kHardlyMoving = 0.01;             // [rad/s]
-constexpr double kClockStep = 1.0;                 // backwards, from which a recording starts anew [s]
-constexpr double kMainShell = 0.99;                // in front of all else; share of the radius
+constexpr std::size_t kMostFullLabels = 3;             // of more tracks only the numbers are written
+constexpr double kShortLabelDistance = 2.5 * kDegree;  // of a number alone, from the track
+constexpr double kLabelDistance = 18.0 * kDegree;      // from the rim of the ellipse
+constexpr double kViewTolerance = 1.0;                 // from the view's axis before it is turned [rad]
+constexpr double kHardlyMoving = 0.01;                 // [rad/s]
+constexpr double kClockStep = 1.0;                     // backwards, from which a recording starts anew [s]
+constexpr double kMainShell = 0.99;                    // in front of all else; share of the radius
 constexpr double kOutlineStep = 4.0 * kDegree;
 constexpr std::size_t kMaxSensors = 64;  // at once; of others nothing is kept
 constexpr const char* kMagnifierChannel = "magnifier";
@@ -63,6 +65,16 @@ bool isAnythingIn(const MarkerArray& array) {
 
 bool isBelieved(const sightline::Track& track) {
   return track.status != sightline::Track::TENTATIVE;
+}
+
+std::size_t believedIn(const sightline::TrackArray& report) {
+  return static_cast<std::size_t>(std::count_if(report.tracks.begin(), report.tracks.end(), isBelieved));
+}
+
+/// Whether a sighting may be the track's: in its gate, or hardly beyond as the gate has moved on since.
+bool isNearGate(const sightline::Gate& gate, const Eigen::Vector3d& direction) {
+  const double reach = 1.5 * std::hypot(gate.azimuth_half_width, gate.elevation_half_width);
+  return core::angleBetween(core::directionOf({gate.azimuth, gate.elevation}), direction) <= reach;
 }
 
 }  // namespace
@@ -202,6 +214,7 @@ void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
   Canvas canvas = params_.canvas;
   canvas.radius *= kMainShell;
   const TrackMemory& tracker = trackers_.at(kMainChannel);
+  const bool is_crowd = believedIn(tracker.newest()) > kMostFullLabels;
   Marker dots = dotSheet(canvas, "tracks", 1.2 * kDegree);
   Marker ellipses = lineSheet(canvas, "2-sigma ellipses", 0.45 * kDegree);
   Marker trails = lineSheet(canvas, "histories", 0.4 * kDegree);
@@ -216,7 +229,7 @@ void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
     drawFadingLine(trails, canvas, trailOf(tracker.pathOf(track.id)), dimmed(colour, 0.8));
     drawPrediction(predictions, canvas, state, params_.prediction, dimmed(colour, 0.8));
     drawSources(sources, track, now);
-    array.markers.push_back(labelMarker(track));
+    array.markers.push_back(labelMarker(track, is_crowd));
   }
   for (Marker* sheet : {&dots, &ellipses, &trails, &predictions, &sources}) {
     array.markers.push_back(finished(std::move(*sheet)));
@@ -224,8 +237,14 @@ void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
   drawGates(array, tracker);
 }
 
-Marker DisplayScene::labelMarker(const sightline::Track& track) const {
+/// In a crowd the number has to do, close by.
+Marker DisplayScene::labelMarker(const sightline::Track& track, bool is_crowd) const {
   const core::AngularState state = toCore(track).state;
+  if (is_crowd) {
+    return textMarker(params_.canvas, "labels", static_cast<int>(track.id),
+                      walk(state.angles(), kShortLabelDistance * sideOf(state, view())),
+                      std::to_string(track.id), 2.4 * kDegree, mainColour());
+  }
   const double distance = std::min(2.0 * sigmaOf(track), 0.3) + kLabelDistance;
   return textMarker(params_.canvas, "labels", static_cast<int>(track.id),
                     walk(state.angles(), distance * sideOf(state, view())), labelOf(track) + errorText(track),
@@ -233,25 +252,28 @@ Marker DisplayScene::labelMarker(const sightline::Track& track) const {
 }
 
 void DisplayScene::drawSources(Marker& lines, const sightline::Track& track, double now) const {
-  const Eigen::Vector2d angles(track.azimuth, track.elevation);
+  const Eigen::Vector3d place = core::directionOf({track.azimuth, track.elevation});
   for (const std::string& source : track.sources) {
-    const auto direction = directionOfSource(source, angles, now);
+    const auto direction = directionOfSource(source, track, now);
     if (!direction) continue;
-    drawLine(lines, params_.canvas, {core::directionOf(angles), *direction}, colours_.of(source));
+    drawLine(lines, params_.canvas, {place, *direction}, colours_.of(source));
   }
 }
 
 std::optional<Eigen::Vector3d> DisplayScene::directionOfSource(const std::string& source,
-                                                               const Eigen::Vector2d& near,
-                                                               double now) const {
+                                                               const sightline::Track& of, double now) const {
   const auto tracker = trackers_.find(source);
   if (tracker != trackers_.end() && isHeard(tracker->second, now)) {
-    const sightline::Track* track = nearestTo(near, tracker->second);
+    const sightline::Track* track = nearestTo({of.azimuth, of.elevation}, tracker->second);
     return core::directionOf({track->azimuth, track->elevation});
   }
   const auto sensor = sensors_.find(source);
-  if (sensor == sensors_.end() || sensor->second.seen().empty()) return std::nullopt;
-  return sensor->second.seen().back().direction;
+  if (sensor == sensors_.end()) return std::nullopt;
+  const auto& seen = sensor->second.seen();
+  const auto own = std::find_if(seen.rbegin(), seen.rend(), [&of](const SightingMemory::Seen& sighting) {
+    return isNearGate(of.gate, sighting.direction);
+  });
+  return own == seen.rend() ? std::nullopt : std::optional<Eigen::Vector3d>(own->direction);
 }
 
 std::string DisplayScene::errorText(const sightline::Track& track) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -135,6 +136,35 @@ TEST_F(Scene, SpokesTieTheMainTrackToItsSourcesInTheirColours) {
   ASSERT_EQ(spokes->points.size(), 4U);  // one line to the near track, one to the sighting
   const Eigen::Vector3d end(spokes->points[1].x, spokes->points[1].y, spokes->points[1].z);
   EXPECT_LT(core::angleBetween(end, core::directionOf({0.1, 0.0})), 1e-9);
+}
+
+TEST_F(Scene, SpokesOfManyTracksLeadToTheirOwnSightings) {
+  sightline::Track left = track(1, -0.5, 0.0), right = track(2, 0.5, 0.0), missed = track(3, 0.0, 0.6);
+  left.sources = right.sources = missed.sources = {"eye"};
+  scene.addScan(scanAt("eye", 1.0, -0.52, 0.0), 1.0);
+  scene.addScan(scanAt("eye", 1.1, 0.51, 0.0), 1.1);
+  scene.addTracks(DisplayScene::kMainChannel, report(1.1, {left, right, missed}), 1.1);
+  const Sheets sheets = scene.draw(1.1);
+  const Marker* spokes = find(sheets, DisplayScene::kMainChannel, "sources");
+  ASSERT_NE(spokes, nullptr);
+  ASSERT_EQ(spokes->points.size(), 4U);
+  for (const auto& [point, azimuth] :
+       {std::pair(spokes->points[1], -0.52), std::pair(spokes->points[3], 0.51)}) {
+    const Eigen::Vector3d end(point.x, point.y, point.z);
+    EXPECT_LT(core::angleBetween(end, core::directionOf({azimuth, 0.0})), 1e-9);
+  }
+}
+
+TEST_F(Scene, TracksOfACrowdHaveTheirNumbersOnly) {
+  std::vector<sightline::Track> few, many;
+  for (std::uint32_t id = 1; id <= 12; ++id) many.push_back(track(id, 0.1 * id, 0.0));
+  few.assign(many.begin(), many.begin() + 2);
+  scene.addTracks(DisplayScene::kMainChannel, report(1.0, few), 1.0);
+  Sheets sheets = scene.draw(1.0);
+  EXPECT_NE(find(sheets, DisplayScene::kMainChannel, "labels")->text.find("sigma"), std::string::npos);
+  scene.addTracks(DisplayScene::kMainChannel, report(1.1, many), 1.1);
+  sheets = scene.draw(1.1);
+  EXPECT_EQ(find(sheets, DisplayScene::kMainChannel, "labels")->text, "1");
 }
 
 TEST_F(Scene, SpokesTieAGroupsTrackToItsSensorsToo) {

@@ -71,7 +71,7 @@ class DisplayScene {
   void drawMainTracks(MarkerArray& array, double now) const;
   void drawSources(Marker& lines, const sightline::Track& track, double now) const;
   void drawTruth(MarkerArray& array) const;
-  Marker labelMarker(const sightline::Track& track) const;
+  Marker labelMarker(const sightline::Track& track, bool is_crowd) const;
 
   void drawMagnified(MarkerArray& array, double now);
   void magnifySightings(Marker& dots, const Magnifier& magnifier, std::uint32_t track, double now) const;
@@ -85,7 +85,7 @@ class DisplayScene {
   Colour colourOf(const std::string& sensor, const SightingMemory::Seen& seen, double now) const;
   std::optional<Eigen::Vector3d> attention() const;
   const sightline::Track* leadingTrack() const;
-  std::optional<Eigen::Vector3d> directionOfSource(const std::string& source, const Eigen::Vector2d& near,
+  std::optional<Eigen::Vector3d> directionOfSource(const std::string& source, const sightline::Track& of,
                                                    double now) const;
   std::string errorText(const sightline::Track& track) const;
 
