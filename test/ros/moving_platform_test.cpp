@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -99,6 +100,7 @@ struct Flight {
   double nees = 0.0;      // normalised squared errors of azimuth and elevation, over 2
   double variance = 0.0;  // of the sightings on the sphere, both directions [rad^2]
   int count = 0, missing = 0, sightings = 0;
+  std::uint32_t most_misses = 0;  // in a row, of a believed track
 
   double rmse() const { return std::sqrt(squares / count); }
   double anees() const { return nees / count; }
@@ -124,6 +126,7 @@ void judge(const core::Scenario& scenario, const sightline::TrackArray& tracks, 
       ++flight.missing;
       continue;
     }
+    flight.most_misses = std::max(flight.most_misses, nearest->misses);
     const Eigen::Vector2d error = core::angleDifference(nearest->state.angles(), truth.angles());
     const Eigen::Matrix2d P = nearest->state.covariance.topLeftCorner<2, 2>();
     flight.squares += least * least;
@@ -137,14 +140,29 @@ struct Faults {
   double stamp_jitter = 0.0;  // sigma of the scans' stamps, white [s]
 };
 
-Flight fly(const core::Scenario& scenario, const Faults& faults = {},
-           const core::AttitudeParams& known = {}) {
+/// What the tracker is told beside the scans.
+struct Known {
+  core::AttitudeParams attitude;
+  std::optional<Eigen::Vector2d> field_of_view;  // half widths [rad]
+};
+
+XmlRpc::XmlRpcValue parametersOf(const Known& known) {
   XmlRpc::XmlRpcValue params;
-  for (int i = 0; i < 3; ++i) params["attitude_sigma"][i] = known.sigma[i];
-  params["attitude_time_sigma"] = known.time_sigma;
+  for (int i = 0; i < 3; ++i) params["attitude_sigma"][i] = known.attitude.sigma[i];
+  params["attitude_time_sigma"] = known.attitude.time_sigma;
+  if (known.field_of_view) {
+    XmlRpc::XmlRpcValue& field = params["fields_of_view"][0];
+    field["sensor"] = kSensor;
+    field["azimuth_half_width"] = known.field_of_view->x();
+    field["elevation_half_width"] = known.field_of_view->y();
+  }
+  return params;
+}
+
+Flight fly(const core::Scenario& scenario, const Faults& faults = {}, const Known& known = {}) {
   Flight flight;
   Transforms transforms(scenario, faults.tf_delay);
-  LocalTrackerComponent tracker(ParamReader(params, "/test"), "tracker", transforms.buffer);
+  LocalTrackerComponent tracker(ParamReader(parametersOf(known), "/test"), "tracker", transforms.buffer);
   core::SensorSimulator sensor(scenario, kSensor, kStart);
   core::RandomStream jitter(core::seedOf(scenario.seed, "jitter"));
   while (auto simulated = sensor.next()) {
@@ -223,8 +241,8 @@ TEST(MovingPlatform, TransformsThatAreTenMillisecondsLateShow) {
 /// turns back: who says so has sightings that count for what they are worth.
 TEST(MovingPlatform, SigmaOfTheTimeMakesTheBestOfStampsThatJitter) {
   const Faults jitter{0.0, 0.01};
-  core::AttitudeParams known;
-  known.time_sigma = jitter.stamp_jitter;
+  Known known;
+  known.attitude.time_sigma = jitter.stamp_jitter;
   std::vector<double> ratios, anees;
   for (std::uint64_t run = 1; run <= kRuns / 2; ++run) {
     const Flight told = fly(turning(run), jitter, known), untold = fly(turning(run), jitter);
@@ -234,6 +252,21 @@ TEST(MovingPlatform, SigmaOfTheTimeMakesTheBestOfStampsThatJitter) {
   }
   EXPECT_LT(meanOf(ratios).mean, 0.75);
   EXPECT_LT(meanOf(anees).mean, 1.1);
+}
+
+/// The sensor swings past the target, which is out of its view for half a second at a time: about seventeen
+/// scans that do not show it.
+TEST(MovingPlatform, TargetThatTheSensorSwingsPastIsNotMissedOutOfItsView) {
+  core::Scenario scenario = turning(1);
+  for (core::SimulatedSensor& sensor : scenario.sensors) sensor.field_of_view = {0.6, 1.0};
+  scenario.targets = {scenario.targets.at(1)};  // ahead
+  Known known;
+  known.field_of_view = scenario.sensors.at(0).field_of_view;
+  const Flight told = fly(scenario, {}, known), untold = fly(scenario);
+  std::printf("most misses in a row told %u, untold %u\n", told.most_misses, untold.most_misses);
+  EXPECT_EQ(told.missing, 0);
+  EXPECT_LE(told.most_misses, 1U) << "on the rim, where the track may be on the other side than the target";
+  EXPECT_GE(untold.most_misses, 8U);
 }
 
 }  // namespace
