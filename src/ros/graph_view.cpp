@@ -13,6 +13,8 @@
 #include <sightline/TrackArray.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include "sightline/ros/plain_words.h"
+
 namespace sightline_ros {
 namespace {
 
@@ -59,12 +61,6 @@ Names common(const Names& a, const Names& b) {
   return both;
 }
 
-std::string listOf(const Names& names) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list;
-}
-
 /// What is published of a type, for a listener to choose from.
 std::string choiceOf(const GraphView& graph, const std::string& type) {
   Names published;
@@ -108,7 +104,7 @@ void findLostSensors(const GraphView& graph, std::vector<Finding>& found) {
     if (listening.empty()) {
       found.push_back(
           {topic.name, "no tracker listens to it: add it to sighting_topics of a local_tracker (" +
-                           listOf(trackers) + ")"});
+                           listOf(trackers, 3) + ")"});
     } else if (!fusions.empty() && common(listening, fused).empty()) {
       found.push_back({topic.name, "is tracked by " + listOf(listening) +
                                        " alone, whose tracks are in no fusion: add them to track_topics of " +

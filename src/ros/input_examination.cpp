@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iomanip>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -14,6 +13,7 @@
 
 #include "sightline/core/sphere.h"
 #include "sightline/ros/conversions.h"
+#include "sightline/ros/plain_words.h"
 
 namespace sightline_ros {
 
@@ -29,18 +29,6 @@ constexpr double kLeastReach = 0.2;     // angle within which sensors see the sa
 constexpr double kReachSigmas = 4.0;    // ... and so many stated sigmas
 constexpr double kAgreement = 0.02;     // angle within which another reading explains it [rad]
 constexpr double kFewTransforms = 0.9;  // share of the scans that must have theirs
-
-std::string value(double number, const char* unit) {
-  std::ostringstream text;
-  text << std::setprecision(3) << number << " " << unit;
-  return text.str();
-}
-
-std::string listOf(const std::set<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list;
-}
 
 std::optional<Eigen::Matrix3d> rotationTo(const std::string& tracking_frame, const std_msgs::Header& header,
                                           const tf2::BufferCore& transforms) {
@@ -234,7 +222,7 @@ void InputExamination::findStrangers(const tf2::BufferCore& transforms, const st
       hint = mistake.words;
     }
     found.push_back(
-        {subjectOf(key), "what it sees is " + value(*distance, "rad") +
+        {subjectOf(key), "what it sees is " + valueOf(*distance, "rad") +
                              " from anything that the other sensors see at the same time: " + hint});
   }
 }
@@ -246,7 +234,7 @@ std::vector<Finding> InputExamination::silentTopics(const GraphView& graph, doub
                                    [&](const auto& source) { return source.first.second == topic.name; });
     if (spoke || topic.publishers.empty()) continue;
     found.push_back({topic.name, "is published by " + listOf(topic.publishers) +
-                                     ", but no scan came within " + value(seconds, "s") +
+                                     ", but no scan came within " + valueOf(seconds, "s") +
                                      ": is the sensor on? An exposure that shows nothing is an empty scan"});
   }
   return found;

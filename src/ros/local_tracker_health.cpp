@@ -16,6 +16,7 @@ using diagnostic_msgs::DiagnosticStatus;
 namespace {
 
 constexpr double kSecondsBetweenWarnings = 5.0;
+constexpr double kSecondsOfExamination = 10.0;
 constexpr double kDefaultSilence = 2.0;      // [s]
 constexpr double kRough = 4.0;               // variance over the stated one that deserves a warning ...
 constexpr double kSettledSightings = 100.0;  // ... when it rests on so many sightings
@@ -42,8 +43,22 @@ double LocalTrackerHealth::silenceFrom(const ParamReader& reader) {
 }
 
 void LocalTrackerHealth::noteArrival(const sightline::SightingArray& scan, core::Time now) {
-  if (now == core::Time{} || scan.header.stamp.isZero() || scan.sensor.empty()) return;
-  sensors_[scan.sensor].latency.add(core::seconds(now - toCore(scan.header.stamp)));
+  if (scan.sensor.empty()) return;
+  Sensor& sensor = sensors_[scan.sensor];
+  sensor.record.take(scan, now);
+  if (now == core::Time{} || scan.header.stamp.isZero()) return;
+  sensor.latency.add(core::seconds(now - toCore(scan.header.stamp)));
+}
+
+/// Now and then, what the doctor would say of what came in since.
+void LocalTrackerHealth::examine(core::Time now) {
+  if (!last_examination_ || now < *last_examination_) last_examination_ = now;
+  if (core::seconds(now - *last_examination_) < kSecondsOfExamination) return;
+  last_examination_ = now;
+  for (auto& [name, sensor] : sensors_) {
+    sensor.findings = sensor.record.findings(name, limits_);
+    sensor.record = SensorRecord();
+  }
 }
 
 void LocalTrackerHealth::note(const TrackerReport& report) {
@@ -63,6 +78,10 @@ void LocalTrackerHealth::note(const TrackerReport& report) {
   const std::size_t taken = report.scan->sightings.size() - report.rejected;
   ++sensor.scans;
   sensor.sightings += taken;
+  for (const auto& association : report.associations->associations) {
+    if (association.decision == sightline::Association::ACCEPTED)
+      sensor.record.takeInnovation(association.distance_squared);
+  }
   sensor.last_scan = std::max(sensor.last_scan, stamp);
   if (taken > 0) sensor.last_sighting = std::max(sensor.last_sighting, stamp);
 
@@ -126,6 +145,7 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
                                   const std::vector<core::CalibratedSensor>& calibrated,
                                   const std::vector<core::WatchedStamps>& stamps) {
   summarize(now, status);
+  examine(now);
   for (const core::WatchedStamps& sensor : stamps) {
     if (sensor.words.empty()) continue;
     status.add("stamps of " + sensor.sensor, sensor.words);
@@ -175,6 +195,10 @@ void LocalTrackerHealth::addSensor(const std::string& name, const Sensor& sensor
     status.addf("latency of " + name, "%.1f ms (median), %.1f ms (95 %%), over the last %zu scans",
                 1e3 * *sensor.latency.quantile(0.5), 1e3 * *sensor.latency.quantile(0.95),
                 sensor.latency.size());
+  }
+  for (const Finding& finding : sensor.findings) {
+    status.add("input of " + name, finding.words);
+    status.mergeSummary(DiagnosticStatus::WARN, name + ": " + finding.words);
   }
   for (const auto& [reason, count] : sensor.drops) status.add(name + ": scans dropped, " + reason, count);
 }

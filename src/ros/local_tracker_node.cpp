@@ -23,7 +23,7 @@ LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
 LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh, const ParamReader& reader)
     : nh_(nh),
       component_(reader, nameOfNode(pnh), transforms_),
-      health_(LocalTrackerHealth::silenceFrom(reader)),
+      health_(LocalTrackerHealth::silenceFrom(reader), {component_.maxLag(), component_.maxFuture()}),
       diagnostics_(nh, pnh, pnh.getNamespace()) {
   const std::vector<std::string> topics = reader.requiredTexts("sighting_topics");
   reader.finish();

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 #include <vector>
 
 #include "sightline/core/sighting.h"
 #include "sightline/ros/conversions.h"
 #include "sightline/ros/frames.h"
+#include "sightline/ros/plain_words.h"
 
 namespace sightline_ros {
 
@@ -28,13 +27,6 @@ constexpr double kTooLarge = 1.0 / 3.0;
 constexpr double kMedianOfTwo = 1.386294361119891;  // of chi squared with two degrees of freedom
 constexpr double kOffInnovations = 3.0;             // median over that
 constexpr std::size_t kLeastInnovations = 30;
-
-/// A number with three digits and its unit.
-std::string value(double number, const char* unit) {
-  std::ostringstream text;
-  text << std::setprecision(3) << number << " " << unit;
-  return text.str();
-}
 
 }  // namespace
 
@@ -111,30 +103,30 @@ std::optional<std::string> SensorRecord::latencyWords(const InputLimits& limits)
   const double usual = *latency(0.5), late = *latency(0.95), early = *latency(0.05);
   const std::string of = " (median of " + std::to_string(latencies_.size()) + " scans)";
   if (usual < -limits.max_future) {
-    return "its stamps are " + value(-usual, "s") + " ahead of the clock" + of +
-           ": trackers drop what is more than " + value(limits.max_future, "s") +
+    return "its stamps are " + valueOf(-usual, "s") + " ahead of the clock" + of +
+           ": trackers drop what is more than " + valueOf(limits.max_future, "s") +
            " ahead (max_future); synchronise the sensor's clock, or correct the stamps in its driver";
   }
   if (early < -limits.max_future) {
-    return "some of its stamps are ahead of the clock, by up to " + value(-*latency(0.0), "s") +
+    return "some of its stamps are ahead of the clock, by up to " + valueOf(-*latency(0.0), "s") +
            ": its clock steps or is not synchronised; trackers drop such scans (max_future)";
   }
   if (usual > kOtherTime) {
-    return "its stamps are " + value(usual, "s") + " behind the clock" + of +
+    return "its stamps are " + valueOf(usual, "s") + " behind the clock" + of +
            ", of another time: play recordings with --clock and use_sim_time, or synchronise the sensor's "
            "clock";
   }
   if (usual > limits.max_lag) {
-    return "its stamps are " + value(usual, "s") + " behind the clock" + of +
-           ": what is more than max_lag (" + value(limits.max_lag, "s") +
+    return "its stamps are " + valueOf(usual, "s") + " behind the clock" + of +
+           ": what is more than max_lag (" + valueOf(limits.max_lag, "s") +
            ") behind other sensors is dropped; synchronise its clock, shorten the way to the tracker, or "
            "raise "
            "max_lag";
   }
   if (late - usual > limits.max_lag) {
-    return "its scans come after " + value(usual, "s") + " mostly, but one in twenty after more than " +
-           value(late, "s") + ": the network or the driver holds them up; beyond max_lag (" +
-           value(limits.max_lag, "s") + ") they are dropped";
+    return "its scans come after " + valueOf(usual, "s") + " mostly, but one in twenty after more than " +
+           valueOf(late, "s") + ": the network or the driver holds them up; beyond max_lag (" +
+           valueOf(limits.max_lag, "s") + ") they are dropped";
   }
   return std::nullopt;
 }
@@ -143,7 +135,7 @@ std::optional<std::string> SensorRecord::stampWords(const InputLimits& limits) c
   const bool is_often = static_cast<double>(back_) > kShare * static_cast<double>(stamped_);
   if (back_ == 0 || (farthest_back_ <= std::max(kBackStep, limits.max_lag) && !is_often)) return std::nullopt;
   return count(back_) + " are stamped before the one that came before them, by up to " +
-         value(farthest_back_, "s") +
+         valueOf(farthest_back_, "s") +
          ": two sensors under one name, a clock that steps, or a recording in a loop";
 }
 
@@ -158,8 +150,8 @@ std::optional<std::string> SensorRecord::duplicateWords() const {
 std::optional<std::string> SensorRecord::gapWords() const {
   const auto usual = interval(0.5);
   if (!usual || longest_gap_ <= std::max(kGap, kUsualIntervals * *usual)) return std::nullopt;
-  return "was silent for up to " + value(longest_gap_, "s") + ", where a scan comes every " +
-         value(*usual, "s") +
+  return "was silent for up to " + valueOf(longest_gap_, "s") + ", where a scan comes every " +
+         valueOf(*usual, "s") +
          ": silence says nothing; publish an empty scan when nothing is seen, or see why the driver pauses";
 }
 
@@ -175,8 +167,8 @@ std::optional<std::string> SensorRecord::covarianceWords() const {
   const double stated = *scatter_.statedSigma();
   const bool is_too_small = *ratio >= kTooSmall;
   return std::string("its covariance is too ") + (is_too_small ? "small" : "large") +
-         ": it states a sigma of " + value(stated, "rad") + ", and its sightings scatter by " +
-         value(*ratio * stated, "rad") + "; state that (variances are in rad^2)" +
+         ": it states a sigma of " + valueOf(stated, "rad") + ", and its sightings scatter by " +
+         valueOf(*ratio * stated, "rad") + "; state that (variances are in rad^2)" +
          (is_too_small ? "" : ", unless its errors vary slowly or sightings are smoothed");
 }
 
@@ -184,8 +176,8 @@ std::optional<std::string> SensorRecord::innovationWords() const {
   if (innovations_.size() < kLeastInnovations) return std::nullopt;
   const double off = *innovations_.quantile(0.5) / kMedianOfTwo;
   if (off < kOffInnovations) return std::nullopt;
-  return "its innovations are " + value(std::sqrt(off), "times") +
-         " what the tracker expects (normalised innovation squared " + value(2.0 * off, "instead of 2") +
+  return "its innovations are " + valueOf(std::sqrt(off), "times") +
+         " what the tracker expects (normalised innovation squared " + valueOf(2.0 * off, "instead of 2") +
          "): its covariance is too small, or it is misaligned";
 }
 

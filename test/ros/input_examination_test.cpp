@@ -101,6 +101,11 @@ TEST_F(Examination, StampsAheadOfTheClock) {
                              {"0.73 s ahead of the clock (median of 300 scans)", "synchronise"}));
 }
 
+TEST_F(Examination, ClocksThatAreAnHourAheadAreGivenInFull) {
+  EXPECT_TRUE(saysOfTheThird([](int, SightingArray&, double& latency) { latency = -3600.0; },
+                             {"its stamps are 3600 s ahead of the clock"}));
+}
+
 TEST_F(Examination, StampsBehindTheClock) {
   EXPECT_TRUE(saysOfTheThird([](int, SightingArray&, double& latency) { latency = 2.5; },
                              {"2.5 s behind the clock", "max_lag"}));

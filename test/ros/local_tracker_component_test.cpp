@@ -239,6 +239,26 @@ TEST_F(Component, LatencyAndDropsOfEachSensorAreInTheDiagnostics) {
   EXPECT_EQ(valueOf(status, "quick: scans dropped, late"), "(absent)");
 }
 
+TEST_F(Component, WhatTheDoctorWouldSayOfASensorIsInTheDiagnosticsEveryTenSecondsUntilItIsRight) {
+  LocalTrackerHealth health(2.0, {component_.maxLag(), component_.maxFuture()});
+  const auto deliver = [&](double from, double latency) {
+    for (int i = 0; i < 100; ++i) {
+      const auto scan = scanAt(from + 0.1 * i, {0.5});
+      health.noteArrival(*scan, at(from + 0.1 * i + latency));
+    }
+  };
+  diagnostic_updater::DiagnosticStatusWrapper first, wrong, right;
+  health.diagnose(at(10.0), 0, first);
+  deliver(10.0, 0.9);
+  health.diagnose(at(20.0), 0, wrong);
+  EXPECT_NE(valueOf(wrong, "input of eye").find("its stamps are 0.9 s behind the clock"), std::string::npos)
+      << valueOf(wrong, "input of eye");
+  EXPECT_NE(wrong.message.find("eye: its stamps are 0.9 s behind the clock"), std::string::npos);
+  deliver(20.0, 0.01);
+  health.diagnose(at(30.0), 0, right);
+  EXPECT_EQ(valueOf(right, "input of eye"), "(absent)");
+}
+
 TEST_F(Component, LatencyIsNotMadeUpWithoutAClock) {
   LocalTrackerHealth health(2.0);
   health.noteArrival(*scanAt(10.0, {}), core::Time{});

@@ -14,6 +14,7 @@
 #include "sightline/core/time.h"
 #include "sightline/ros/local_tracker_component.h"
 #include "sightline/ros/param_reader.h"
+#include "sightline/ros/sensor_record.h"
 
 namespace sightline_ros {
 
@@ -24,8 +25,9 @@ class LocalTrackerHealth {
   /// Reads `silence` of this level [s].
   static double silenceFrom(const ParamReader& reader);
 
-  /// `silence`: without a scan for so long the tracker is reported as starved [s].
-  explicit LocalTrackerHealth(double silence) : silence_(silence) {}
+  /// `silence`: without a scan for so long the tracker is reported as starved [s]. `limits`: what the tracker
+  /// bears.
+  explicit LocalTrackerHealth(double silence, InputLimits limits = {}) : silence_(silence), limits_(limits) {}
 
   /// A scan has arrived at `now`, whatever becomes of it; 0 = the clock is not known.
   void noteArrival(const sightline::SightingArray& scan, sightline::core::Time now);
@@ -62,6 +64,8 @@ class LocalTrackerHealth {
     sightline::core::Time last_sighting{};
     std::map<std::string, std::uint64_t> drops;  // scans, by reason
     sightline::core::RecentValues latency;       // from stamp to arrival
+    SensorRecord record;                         // of the last seconds
+    std::vector<Finding> findings;               // of the seconds before
   };
   struct Counted {
     std::uint64_t count = 0;
@@ -70,18 +74,21 @@ class LocalTrackerHealth {
     std::optional<sightline::core::Time> last_warning;
   };
 
+  void examine(sightline::core::Time now);
   void addSensor(const std::string& name, const Sensor& sensor, sightline::core::Time now, double elapsed,
                  diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void summarize(sightline::core::Time now, diagnostic_updater::DiagnosticStatusWrapper& status) const;
   std::string latestDrops() const;
 
   double silence_;
+  InputLimits limits_;
   std::map<std::string, Sensor> sensors_;
   std::map<std::string, bool> wrong_clocks_;  // by sensor, as last logged
   std::map<std::string, Counted> changes_;    // by sensor
   std::map<std::string, Counted> drops_;      // by reason; rejected sightings are one of them
   std::array<std::uint64_t, 3> tracks_{};     // by status, in the last report
   std::optional<sightline::core::Time> last_diagnosis_;
+  std::optional<sightline::core::Time> last_examination_;
 };
 
 }  // namespace sightline_ros
