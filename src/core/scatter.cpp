@@ -20,7 +20,6 @@ void Scatter::add(Time time, const Eigen::Vector2d& angles, const Eigen::Matrix2
   if (std::abs(angles.y()) > kHighest || (count_ > 0 && time <= last_[3].time)) return breakOff();
   std::move(last_.begin() + 1, last_.end(), last_.begin());
   last_[3] = {time, angles, covariance};
-  sigmas_.add(std::sqrt(covariance.trace() / 2.0));
   count_ = std::min(count_ + 1, 4);
   if (count_ < 4 || seconds(last_[3].time - last_[0].time) > longest_) return;
   if (const auto distance = distanceSquared()) distances_.add(*distance);

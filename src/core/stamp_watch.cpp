@@ -15,7 +15,11 @@ constexpr double kIntervalMemory = 0.95;  // of the usual largest interval, at e
 
 std::string secondsText(double seconds) {
   std::ostringstream text;
-  text << std::setprecision(3) << seconds << " s";
+  if (std::abs(seconds) < 1000.0)
+    text << std::setprecision(3);
+  else
+    text << std::fixed << std::setprecision(0);
+  text << seconds << " s";
   return text.str();
 }
 

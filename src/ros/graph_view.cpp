@@ -83,8 +83,8 @@ void findDeadTopics(const GraphView& graph, const std::string& type, const Names
   for (const GraphView::Topic& topic : graph.topics) {
     const Names in_vain = common(topic.subscribers, nodes);
     if (topic.type != type || !topic.publishers.empty() || in_vain.empty()) continue;
-    found.push_back({topic.name, listOf(in_vain) +
-                                     " listens to it, and nobody publishes it: start what does, or "
+    found.push_back({topic.name, listOf(in_vain) + (in_vain.size() > 1 ? " listen" : " listens") +
+                                     " to it, and nobody publishes it: start what does, or "
                                      "correct " +
                                      parameter + " (" + choiceOf(graph, type) + ")"});
   }

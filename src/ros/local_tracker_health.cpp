@@ -197,6 +197,7 @@ void LocalTrackerHealth::addSensor(const std::string& name, const Sensor& sensor
                 sensor.latency.size());
   }
   for (const Finding& finding : sensor.findings) {
+    if (finding.is_note) continue;
     status.add("input of " + name, finding.words);
     status.mergeSummary(DiagnosticStatus::WARN, name + ": " + finding.words);
   }

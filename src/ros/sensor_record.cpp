@@ -66,9 +66,10 @@ void SensorRecord::takeSightings(const sightline::SightingArray& scan) {
         Eigen::Map<const Eigen::Matrix<double, 2, 2, Eigen::RowMajor>>(sighting.covariance.data());
     if (const auto reason = core::rejectionOf(angles, covariance)) {
       if (refused_sightings_.count++ == 0) refused_sightings_.first = *reason;
-    } else if (scan.sightings.size() == 1) {
-      scatter_.add(toCore(scan.header.stamp), angles, covariance);
+      continue;
     }
+    sigmas_.add(std::sqrt(covariance.trace() / 2.0));
+    if (scan.sightings.size() == 1) scatter_.add(toCore(scan.header.stamp), angles, covariance);
   }
   if (scan.sightings.size() > 1) scatter_.breakOff();
 }
@@ -83,7 +84,7 @@ std::vector<Finding> SensorRecord::findings(const std::string& subject, const In
     say(std::to_string(refused_sightings_.count) + " of " + std::to_string(sightings_) +
         " sightings cannot be used, the first because its " + refused_sightings_.first);
   }
-  say(emptyWords());
+  if (const auto words = emptyWords()) found.push_back({subject, *words, true});
   if (scans_ < kLeastScans) return found;
   say(latencyWords(limits));
   say(stampWords(limits));
@@ -164,7 +165,7 @@ std::optional<std::string> SensorRecord::emptyWords() const {
 std::optional<std::string> SensorRecord::covarianceWords() const {
   const auto ratio = scatter_.ratio();
   if (!ratio || (*ratio<kTooSmall&& * ratio> kTooLarge)) return std::nullopt;
-  const double stated = *scatter_.statedSigma();
+  const double stated = *statedSigma();
   const bool is_too_small = *ratio >= kTooSmall;
   return std::string("its covariance is too ") + (is_too_small ? "small" : "large") +
          ": it states a sigma of " + valueOf(stated, "rad") + ", and its sightings scatter by " +

@@ -37,7 +37,7 @@ std::string millis(const std::optional<double>& seconds) {
 
 void printSensors(const InputDoctor& doctor, double seconds) {
   const auto rows = doctor.examination().sensors();
-  std::printf("looked for %g s: %zu sensors, %zu trackers, %zu fusions; tracking frame %s\n", seconds,
+  std::printf("looked for %g s; sensors: %zu, trackers: %zu, fusions: %zu; tracking frame: %s\n", seconds,
               rows.size(), trackersOf(doctor.graph()).size(), fusionsOf(doctor.graph()).size(),
               doctor.trackingFrame().c_str());
   if (!rows.empty()) {
@@ -66,13 +66,17 @@ std::size_t examine(const std::vector<std::string>& words) {
   InputDoctor doctor(nh, params);
   const std::vector<Finding> found = doctor.examine();
   printSensors(doctor, params.seconds);
-  for (const Finding& finding : found)
-    std::printf("WRONG  %s: %s\n", finding.subject.c_str(), finding.words.c_str());
-  if (found.empty())
+  std::size_t wrong = 0;
+  for (const Finding& finding : found) {
+    std::printf("%s  %s: %s\n", finding.is_note ? "note " : "WRONG", finding.subject.c_str(),
+                finding.words.c_str());
+    wrong += finding.is_note ? 0 : 1;
+  }
+  if (wrong == 0)
     std::printf("nothing wrong found\n");
   else
-    std::printf("%zu %s wrong\n", found.size(), found.size() == 1 ? "thing is" : "things are");
-  return found.size();
+    std::printf("%zu %s wrong\n", wrong, wrong == 1 ? "thing is" : "things are");
+  return wrong;
 }
 
 }  // namespace

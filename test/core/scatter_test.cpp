@@ -44,10 +44,6 @@ TEST(Scatter, IsThatOfTheNoiseWhateverItIs) {
   }
 }
 
-TEST(Scatter, KnowsTheStatedSigma) {
-  EXPECT_NEAR(*scatterOf({1e-3, 3e-3}).statedSigma(), 3e-3, 1e-12);
-}
-
 TEST(Scatter, WrapsTheAzimuth) {
   EXPECT_NEAR(*scatterOf({1e-3, 1e-3}, 400, 3.0).ratio(), 1.0, 0.12);
 }

@@ -87,7 +87,7 @@ TEST_F(Doctor, FindsNothingWrongWithGoodSensorsAndSaysSo) {
   const auto [code, said] = examine();
   EXPECT_EQ(code, 0) << said;
   EXPECT_NE(said.find("nothing wrong found"), std::string::npos) << said;
-  EXPECT_NE(said.find("3 sensors, 1 trackers"), std::string::npos) << said;
+  EXPECT_NE(said.find("sensors: 3, trackers: 1"), std::string::npos) << said;
 }
 
 TEST_F(Doctor, SaysOfEveryBadSensorWhatIsWrongWithIt) {
@@ -113,7 +113,7 @@ TEST_F(Doctor, SaysOfEveryBadSensorWhatIsWrongWithIt) {
       "sure on /sensors/sure/sightings: its covariance is too small",
       "mirrored on /sensors/mirrored/sightings: what it sees is",
       "are these degrees?",
-      "capped on /sensors/capped/sightings: saw nothing",
+      "note   capped on /sensors/capped/sightings: saw nothing",
       "a: two sensors have one name",
       "/silent: is published by",
       "/sensors/early/sightings: no tracker listens to it",

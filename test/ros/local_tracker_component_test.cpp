@@ -12,6 +12,8 @@
 #include "sightline/ros/conversions.h"
 #include "sightline/ros/local_tracker_health.h"
 
+#include "scans.h"
+
 namespace {
 
 namespace core = sightline::core;
@@ -241,10 +243,11 @@ TEST_F(Component, LatencyAndDropsOfEachSensorAreInTheDiagnostics) {
 
 TEST_F(Component, WhatTheDoctorWouldSayOfASensorIsInTheDiagnosticsEveryTenSecondsUntilItIsRight) {
   LocalTrackerHealth health(2.0, {component_.maxLag(), component_.maxFuture()});
+  SeenTarget target(1);
   const auto deliver = [&](double from, double latency) {
     for (int i = 0; i < 100; ++i) {
-      const auto scan = scanAt(from + 0.1 * i, {0.5});
-      health.noteArrival(*scan, at(from + 0.1 * i + latency));
+      const double time = from + 0.1 * i;
+      health.noteArrival(scanOf("eye", time, {target.at(time)}), at(time + latency));
     }
   };
   diagnostic_updater::DiagnosticStatusWrapper first, wrong, right;

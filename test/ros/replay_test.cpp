@@ -221,6 +221,57 @@ TEST_F(Replay, ScanThatNoTrackerCouldUseDoesNotDisturbTheOthers) {
   EXPECT_EQ(countOf(file("out.bag"), "/sensors/eye/tracks"), 7u);
 }
 
+TEST_F(Replay, ARecordingOfALoopIsTrackedAgainFromItsStart) {
+  {
+    rosbag::Bag bag(file("in.bag"), rosbag::bagmode::Write);
+    for (const double later : {1.0, 11.0}) {  // received so long after the stamps: played twice
+      for (const auto& scan : twoSensors())
+        bag.write("/" + scan.sensor, scan.header.stamp + ros::Duration(later), scan);
+      for (const auto& message : turningFrames())
+        bag.write("/tf", message.transforms[0].header.stamp + ros::Duration(later), message);
+    }
+  }
+  const ReplaySummary summary = replay(file("in.bag"), file("out.bag"), {});
+  ASSERT_EQ(summary.notices.size(), 1u);
+  EXPECT_NE(summary.notices[0].find("stamps went back by"), std::string::npos) << summary.notices[0];
+  EXPECT_GT(countOf(file("out.bag"), "/sensor_fusion/tracks"), 780u)
+      << "of 800 scans; the first ones are late";
+  rosbag::Bag bag(file("out.bag"));
+  rosbag::View view(bag, rosbag::TopicQuery("/fusion/tracks"));
+  int of_the_end = 0;  // fused tracks of the last second, of both rounds
+  for (const rosbag::MessageInstance& message : view) {
+    const auto tracks = message.instantiate<sightline::TrackArray>();
+    of_the_end += tracks->header.stamp > ros::Time(kStart + 5.0) && tracks->tracks.size() == 1 ? 1 : 0;
+  }
+  EXPECT_GT(of_the_end, 100);
+}
+
+TEST_F(Replay, ASensorAnHourAheadDoesNotDisturbTheOthers) {
+  // Recorded at another time than the stamps', so that no clock tells who is right.
+  const auto write = [&](const std::string& name, bool with_third) {
+    rosbag::Bag bag(file(name), rosbag::bagmode::Write);
+    const ros::Duration later(1e6);
+    for (const auto& scan : twoSensors()) {
+      bag.write("/" + scan.sensor, scan.header.stamp + later, scan);
+      if (!with_third || scan.sensor == "right") continue;
+      auto ahead = scanOf("third", scan.header.stamp.toSec() + 3600.0, 0.1);
+      ahead.header.frame_id = "platform_enu";
+      bag.write("/third", scan.header.stamp + later + ros::Duration(0.001), ahead);
+    }
+    for (const auto& message : turningFrames())
+      bag.write("/tf", message.transforms[0].header.stamp + later, message);
+  };
+  write("two.bag", false);
+  write("three.bag", true);
+  replay(file("two.bag"), file("out_two.bag"), {});
+  const ReplaySummary summary = replay(file("three.bag"), file("out_three.bag"), {});
+  ASSERT_EQ(summary.notices.size(), 1u);
+  EXPECT_NE(summary.notices[0].find("stamps of third are 3600 s ahead"), std::string::npos)
+      << summary.notices[0];
+  EXPECT_EQ(summary.drops.at("recording: scan dropped, its stamp is ahead of the other sensors'"), 200u);
+  EXPECT_EQ(tracksIn(file("out_three.bag")), tracksIn(file("out_two.bag")));
+}
+
 TEST_F(Replay, EveryMessageThatIsNotReplacedIsCopied) {
   record(file("in.bag"), 0.0, 1);
   {

@@ -32,9 +32,6 @@ class Scatter {
   /// not move. None while there are fewer than 20 samples.
   std::optional<double> ratio() const;
 
-  /// Median of the stated sigmas (root of the mean of both variances) [rad].
-  std::optional<double> statedSigma() const { return sigmas_.quantile(0.5); }
-
   std::size_t samples() const { return distances_.size(); }
 
  private:
@@ -50,7 +47,6 @@ class Scatter {
   std::array<Point, 4> last_;  // oldest first; the last `count_` of them count
   int count_ = 0;
   RecentValues distances_;
-  RecentValues sigmas_;
 };
 
 }  // namespace sightline::core

@@ -15,9 +15,9 @@ struct Glimpse {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
 };
 
-/// How far what one sensor sees is from what others see at about the same time (within 0.3 s): a fifth of
-/// its glimpses have another's nearer than this [rad]. None where fewer than 10 can be compared. Both lists
-/// in order of time.
+/// How far what one sensor sees is from what others see at about the same time (within 0.15 s): the distance
+/// [rad] that as many of its glimpses have from another's as half of its scans are, so that many false ones
+/// in each do not matter. None where fewer than 10 can be compared. Both lists in order of time.
 std::optional<double> separation(const std::vector<Glimpse>& mine, const std::vector<Glimpse>& others);
 
 }  // namespace sightline::core

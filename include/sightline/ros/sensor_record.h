@@ -17,8 +17,9 @@ namespace sightline_ros {
 
 /// Something that is wrong with what comes in, or worth knowing.
 struct Finding {
-  std::string subject;  ///< the sensor, topic or node
-  std::string words;    ///< what, the value, and the remedy
+  std::string subject;   ///< the sensor, topic or node
+  std::string words;     ///< what, the value, and the remedy
+  bool is_note = false;  ///< may be as it should
 };
 
 /// What trackers bear, which decides what is wrong.
@@ -53,8 +54,8 @@ class SensorRecord {
   /// Between stamps [s], likewise.
   std::optional<double> interval(double p) const { return intervals_.quantile(p); }
 
-  /// Median of the stated sigmas of single sightings [rad].
-  std::optional<double> statedSigma() const { return scatter_.statedSigma(); }
+  /// Median of the stated sigmas [rad].
+  std::optional<double> statedSigma() const { return sigmas_.quantile(0.5); }
 
  private:
   struct Counted {
@@ -86,6 +87,7 @@ class SensorRecord {
   sightline::core::RecentValues latencies_;
   sightline::core::RecentValues intervals_;
   sightline::core::RecentValues innovations_;
+  sightline::core::RecentValues sigmas_;  // [rad]
   sightline::core::Scatter scatter_;
   std::map<std::string, Counted> refused_scans_;  // by reason
   Counted refused_sightings_;
