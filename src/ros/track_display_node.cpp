@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 
 #include <Eigen/Geometry>
 
@@ -246,11 +247,18 @@ void TrackDisplayNode::repeatWhatStays() {
   aimView();
 }
 
+/// Those of sensors whose frame is there: rviz shows an error for the others, which need not run.
 void TrackDisplayNode::publishFieldsOfView() {
-  for (std::size_t i = 0; i < params_.fields_of_view.size(); ++i) {
-    const FieldOfView& view = params_.fields_of_view[i];
-    const Place place{i, params_.fields_of_view.size()};
-    publish(view.sensor, fieldOfViewMarkers(params_.scene.canvas, view, place, colours_.of(view.sensor)));
+  std::vector<FieldOfView> views;
+  const auto is_here = [this](const FieldOfView& view) {
+    return transforms_.canTransform(params_.frames.tracking_frame, view.frame, ros::Time(0));
+  };
+  std::copy_if(params_.fields_of_view.begin(), params_.fields_of_view.end(), std::back_inserter(views),
+               is_here);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Place place{i, views.size()};
+    publish(views[i].sensor,
+            fieldOfViewMarkers(params_.scene.canvas, views[i], place, colours_.of(views[i].sensor)));
   }
 }
 

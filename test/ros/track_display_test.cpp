@@ -186,8 +186,10 @@ TEST_F(TrackDisplay, LeavesTracksOfAnotherFrameOut) {
 }
 
 TEST_F(TrackDisplay, ShowsTheGridAndTheFieldsOfViewToLatecomers) {
-  Channel grid(nh_, "/display/grid"), sensor(nh_, "/display/acquisition_1");
+  Channel grid(nh_, "/display/grid"), sensor(nh_, "/display/acquisition_1"), absent(nh_, "/display/absent");
+  publishTransform();
   ASSERT_TRUE(waitFor([&] { return grid.shows("lines") && sensor.shows("field of view"); }));
+  EXPECT_FALSE(absent.shows("field of view")) << "a sensor without a frame is not running";
   EXPECT_EQ(sensor.marker("field of view").header.frame_id, "acquisition_1");
 }
 
