@@ -19,8 +19,7 @@ constexpr double kLeastClutter = 1e-3;   // of a scan: no sensor is free of it
 constexpr double kFirstSpread = 0.3;  // of false sightings in each angle [rad], before anything is known ...
 constexpr double kTrustInSpread = 5.0;                    // ... for so many of them
 constexpr double kSphere = 4.0 * 3.14159265358979323846;  // [sr]
-constexpr double kIntervalMemory = 0.1;
-constexpr double kFirstInterval = 0.03, kLeastInterval = 1e-3, kMostInterval = 1.0;  // [s]
+constexpr double kLongest = 300.0;                        // for which births add up [s]
 
 bool byName(const CalibratedDetection& sensor, const std::string& name) {
   return sensor.sensor < name;
@@ -52,9 +51,12 @@ double clutterOf(const CalibratedDetection& sensor) {
 
 DetectionCalibration::DetectionCalibration(const DetectionParams& params) : params_(params) {
   if (!(params.probability >= 0.0 && params.probability <= 1.0) || !std::isfinite(params.clutter_density) ||
-      !(params.memory >= 10.0 && std::isfinite(params.memory))) {
+      !(params.memory >= 10.0 && std::isfinite(params.memory)) ||
+      !(params.births > 0.0 && std::isfinite(params.births)) ||
+      !(params.first_targets > 0.0 && std::isfinite(params.first_targets))) {
     throw std::invalid_argument(
-        "DetectionParams: probability in [0, 1], a finite clutter_density and memory >= 10 are required");
+        "DetectionParams: probability in [0, 1], a finite clutter_density, memory >= 10, births and "
+        "first_targets > 0 are required");
   }
 }
 
@@ -91,23 +93,27 @@ double DetectionCalibration::clutter(const Scan& scan) const {
   return clutterDensity(scan) * solidAngle(scan);
 }
 
-double DetectionCalibration::interval(const std::string& name) const {
-  const CalibratedDetection* sensor = find(name);
-  if (sensor == nullptr || sensor->interval == 0.0) return kFirstInterval;
-  return std::clamp(sensor->interval, kLeastInterval, kMostInterval);
+double DetectionCalibration::newTargetOdds(const Scan& scan) const {
+  const CalibratedDetection* sensor = find(scan.sensor);
+  const double targets = sensor == nullptr ? params_.first_targets : sensor->undiscovered;
+  return targets * probability(scan) / clutter(scan);
 }
 
-void DetectionCalibration::take(const Scan& scan, int looked, int seen, const std::vector<bool>& unclaimed) {
+double DetectionCalibration::birthDensity(const Scan& scan, double duration) const {
+  return params_.births * duration / solidAngle(scan);
+}
+
+void DetectionCalibration::take(const Scan& scan, int looked, int seen,
+                                const std::vector<double>& falseness) {
   auto sensor = std::lower_bound(sensors_.begin(), sensors_.end(), scan.sensor, byName);
   if (sensor == sensors_.end() || sensor->sensor != scan.sensor) {
     if (sensors_.size() >= kMostSensors) return;
     sensor = sensors_.insert(sensor, CalibratedDetection{});
     sensor->sensor = scan.sensor;
+    sensor->undiscovered = params_.first_targets;
   } else {
-    const double since_last = seconds(scan.time - sensor->last_scan);
-    sensor->interval = sensor->interval == 0.0
-                           ? since_last
-                           : sensor->interval + kIntervalMemory * (since_last - sensor->interval);
+    const double since_last = std::clamp(seconds(scan.time - sensor->last_scan), 0.0, kLongest);
+    sensor->undiscovered = (1.0 - probability(scan)) * sensor->undiscovered + params_.births * since_last;
   }
   sensor->last_scan = scan.time;
 
@@ -121,12 +127,11 @@ void DetectionCalibration::take(const Scan& scan, int looked, int seen, const st
   sensor->clutter *= keep;
   sensor->direction *= keep;
   sensor->scatter *= keep;
-  for (std::size_t j = 0; j < unclaimed.size(); ++j) {
-    if (!unclaimed[j]) continue;
+  for (std::size_t j = 0; j < falseness.size(); ++j) {
     const Eigen::Vector3d& direction = scan.sightings[j].direction;
-    sensor->clutter += 1.0;
-    sensor->direction += direction;
-    sensor->scatter += direction * direction.transpose() + scan.sightings[j].covariance;
+    sensor->clutter += falseness[j];
+    sensor->direction += falseness[j] * direction;
+    sensor->scatter += falseness[j] * (direction * direction.transpose() + scan.sightings[j].covariance);
   }
 }
 

@@ -21,7 +21,11 @@ constexpr double kNoiseMargin = 1.5;        // by which the noise found may be t
 constexpr double kLookMemory = 50.0;        // scans over which a track's own share of sightings is taken ...
 constexpr double kTrustInSensor = 10.0;     // ... against so many of the sensor's
 constexpr double kHopeless = 0.01;          // share of its odds at the start that ends a tentative track
-constexpr double kSeenAgain = 0.9;          // existence from which a lost track is shown again
+constexpr double kReturns = 0.5;            // of targets that are lost, those that return
+constexpr double kJumps = 0.05;             // of these, those that have jumped ...
+constexpr double kJumpStretch = 25.0;       // ... so much farther
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kSeenAgain = 0.9;  // existence from which a lost track is shown again
 
 bool isUsable(const AngularState& state) {
   return state.mean.allFinite() && state.covariance.allFinite() &&
@@ -37,6 +41,7 @@ LiveTrack::LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sightin
       chart_(Chart::around(sighting.direction)),
       estimator_(std::move(estimator)),
       last_covariance_(chart_.covarianceOf(sighting)),
+      last_noise_scale_(scan.noise_scale),
       last_sighting_(scan.time),
       weighed_(scan.time) {
   const Measurement measurement = measurementOf(scan, sighting);
@@ -54,6 +59,7 @@ LiveTrack::LiveTrack(const LiveTrack& other)
       known_at_(other.known_at_),
       known_(other.known_),
       last_covariance_(other.last_covariance_),
+      last_noise_scale_(other.last_noise_scale_),
       last_sighting_(other.last_sighting_),
       weighed_(other.weighed_),
       interval_(other.interval_),
@@ -110,6 +116,7 @@ Expectation LiveTrack::expect(const Scan& scan, double detection_probability,
   expectation.noise_scale = estimator_->noiseScale();
   expectation.innovation_scale = gateScale(adapt_gate);
   expectation.direction = chart_.directionAt(expectation.prediction.angles());
+  expectation.existence = existence_.probability();
   expectation.detection_probability =
       (seen_ + kTrustInSensor * detection_probability) / (looked_ + kTrustInSensor);
   expectation.is_in_view =
@@ -135,6 +142,7 @@ void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectati
   estimator_->update(measurement);
   known_at_ = std::nullopt;
   last_covariance_ = measurement.covariance;
+  last_noise_scale_ = scan.noise_scale;
   last_sighting_ = scan.time;
   misses_ = 0;
   ++hits_;
@@ -177,14 +185,23 @@ void LiveTrack::noteLook(bool is_seen) {
   seen_ = keep * seen_ + (is_seen ? 1.0 : 0.0);
 }
 
-double LiveTrack::distanceTo(const LiveTrack& other, Time time) const {
+double LiveTrack::logDensityOfReturn(const LiveTrack& fresh, Time time) const {
   const AngularState mine = stateAt(time);
-  const AngularState theirs = chart_.fromTracking(other.chart_.toTracking(other.stateAt(time)));
-  Eigen::Vector4d difference = theirs.mean - mine.mean;
-  difference.head<2>() = angleDifference(theirs.angles(), mine.angles());
-  const Eigen::LLT<Eigen::Matrix4d> both(mine.covariance + theirs.covariance);
-  if (both.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  return difference.dot(both.solve(difference));
+  const AngularState its = chart_.fromTracking(fresh.chart_.toTracking(fresh.stateAt(time)));
+  Eigen::Vector4d difference = its.mean - mine.mean;
+  difference.head<2>() = angleDifference(its.angles(), mine.angles());
+  const Eigen::LLT<Eigen::Matrix4d> both(mine.covariance + its.covariance);
+  if (both.info() != Eigen::Success) return -std::numeric_limits<double>::infinity();
+  const double distance_squared = difference.dot(both.solve(difference));
+  const double log_root = both.matrixLLT().diagonal().array().log().sum();  // of the determinant
+  const auto logNormal = [&](double stretch) {  // with a covariance stretch^2 times as large
+    return -0.5 * distance_squared / (stretch * stretch) - log_root - 4.0 * std::log(stretch) -
+           2.0 * std::log(2.0 * kPi);
+  };
+  const double calm = std::log(1.0 - kJumps) + logNormal(1.0);
+  const double jump = std::log(kJumps) + logNormal(kJumpStretch);
+  const double larger = std::max(calm, jump);
+  return std::log(kReturns) + larger + std::log(std::exp(calm - larger) + std::exp(jump - larger));
 }
 
 void LiveTrack::takeUp(const LiveTrack& lost) {
@@ -265,7 +282,8 @@ bool LiveTrack::isDead(Time time, const LifecycleParams& lifecycle, bool adapt_g
 
   const Eigen::Matrix2d R = noiseCovariance(last_covariance_, estimator_->noiseScale());
   const Eigen::Matrix2d S = gateScale(adapt_gate) * (state.anglesCovariance() + R);
-  const Eigen::Vector2d spread = S.diagonal().cwiseQuotient(R.diagonal()).cwiseSqrt();
+  const Eigen::Vector2d stated = (last_covariance_ / last_noise_scale_).diagonal();
+  const Eigen::Vector2d spread = S.diagonal().cwiseQuotient(R.diagonal().cwiseMax(stated)).cwiseSqrt();
   if (spread.maxCoeff() > lifecycle.max_spread) return true;
   const bool coasts = silence > limit(lifecycle.coast_silence) || misses >= lifecycle.coast_misses;
   status_ = coasts ? TrackStatus::coasting : TrackStatus::confirmed;

@@ -9,7 +9,8 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kSameMotion = 18.5;      // 99.9 % of chi^2 with four degrees of freedom
+/// Density of the rates of a new target, as far as is known: 0.3 rad/s in each angle [1/(rad/s)^2].
+constexpr double kBirthRateDensity = 1.0 / (2.0 * 3.14159265358979 * 0.3 * 0.3);
 constexpr std::size_t kMostChanges = 64;  // of sensors' verdicts that are remembered
 
 bool hasUsableNumbers(const Sighting& sighting) {
@@ -236,7 +237,7 @@ std::vector<Association> LocalTracker::settle(const Scan& scan, double noise_sca
   const Scan& used = is_scaled ? scaled : scan;
   const std::vector<std::uint32_t> fresh = update(used, look, is_excluded);
   if (!is_excluded) learnDetection(scan, look);
-  for (const std::uint32_t id : fresh) knowAgain(id, look.pairing);
+  for (const std::uint32_t id : fresh) knowAgain(scan, id, look.pairing);
   start(used, look.pairing);
   mergeDuplicates(look);
   giveUpTheDead(scan.time);
@@ -312,19 +313,21 @@ std::vector<std::uint32_t> LocalTracker::update(const Scan& scan, const Look& lo
   return fresh;
 }
 
-/// A track that has just come to be believed may be of a target that was lost: then it goes on as its track.
-void LocalTracker::knowAgain(std::uint32_t id, Pairing& pairing) {
+/// A track that has just come to be believed may be of a target that was lost, or is about to be: then it
+/// goes on as its track, if that is more likely than a new target there.
+void LocalTracker::knowAgain(const Scan& scan, std::uint32_t id, Pairing& pairing) {
   auto& tracks = state_.tracks;
   const auto fresh =
       std::find_if(tracks.begin(), tracks.end(), [&](const LiveTrack& track) { return track.id() == id; });
   auto nearest = tracks.end();
-  double least = kSameMotion;
-  for (auto lost = tracks.begin(); lost != tracks.end(); ++lost) {
-    if (!lost->isLost()) continue;
-    const double distance = lost->distanceTo(*fresh, state_.time);
-    if (distance >= least) continue;
-    least = distance;
-    nearest = lost;
+  double most = 0.0;
+  for (auto missing = tracks.begin(); missing != tracks.end(); ++missing) {
+    if (!missing->isMissing()) continue;
+    const double births = state_.detection.birthDensity(scan, seconds(scan.time - missing->lastSighting()));
+    const double gain = missing->logDensityOfReturn(*fresh, scan.time) - std::log(births * kBirthRateDensity);
+    if (gain <= most) continue;
+    most = gain;
+    nearest = missing;
   }
   if (nearest == tracks.end()) return;
   fresh->takeUp(*nearest);
@@ -339,21 +342,20 @@ void LocalTracker::knowAgain(std::uint32_t id, Pairing& pairing) {
 /// What the scan tells of how its sensor sees settled targets, and of its false sightings.
 void LocalTracker::learnDetection(const Scan& scan, const Look& look) {
   int looked = 0, seen = 0;
-  std::vector<bool> unclaimed(scan.sightings.size(), true);
+  std::vector<double> falseness(scan.sightings.size(), 1.0);
   for (std::size_t i = 0; i < look.expectations.size(); ++i) {
     const int taken = look.pairing.sighting_of[i];
-    if (taken >= 0 && look.expectations[i].believed) unclaimed[static_cast<std::size_t>(taken)] = false;
+    if (taken >= 0) falseness[static_cast<std::size_t>(taken)] = 1.0 - look.expectations[i].existence;
     if (!state_.tracks[i].isSettled() || !look.expectations[i].is_in_view) continue;
     ++looked;
     if (taken >= 0) ++seen;
   }
-  state_.detection.take(scan, looked, seen, unclaimed);
+  state_.detection.take(scan, looked, seen, falseness);
 }
 
 /// Sightings that nobody claims start tracks of their own, while there is room.
 void LocalTracker::start(const Scan& scan, Pairing& pairing) {
-  const double odds =
-      params_.lifecycle.births * state_.detection.interval(scan.sensor) / state_.detection.clutter(scan);
+  const double odds = state_.detection.newTargetOdds(scan);
   for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
     if (!pairing.may_start[j] || state_.tracks.size() >= static_cast<std::size_t>(params_.max_tracks))
       continue;

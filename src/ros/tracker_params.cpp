@@ -131,7 +131,6 @@ core::LifecycleParams loadLifecycleParams(const ParamReader& reader, core::Lifec
   params.confirm_existence = reader.number("confirm_existence", params.confirm_existence, inside(0.0, 1.0));
   params.show_existence =
       reader.number("show_existence", params.show_existence, Range{0.0, 1.0, false, true});
-  params.births = reader.number("births", params.births, above(0.0), "1/s");
   core::PresenceParams& presence = params.presence;
   presence.mean_life = reader.number("mean_life", presence.mean_life, above(0.0), "s");
   presence.mean_shown = reader.number("mean_shown", presence.mean_shown, above(0.0), "s");
@@ -147,6 +146,8 @@ core::DetectionParams loadDetectionParams(const ParamReader& reader, core::Detec
   params.probability = reader.number("probability", params.probability, Range{0.0, 1.0, false, false});
   params.clutter_density = reader.number("clutter_density", params.clutter_density, anyNumber(), "1/sr");
   params.memory = reader.number("memory", params.memory, atLeast(10.0), "scans");
+  params.births = reader.number("births", params.births, above(0.0), "1/s");
+  params.first_targets = reader.number("first_targets", params.first_targets, above(0.0));
   return params;
 }
 

@@ -34,13 +34,12 @@ TEST(DetectionCalibration, LearnsTheDensityOfFalseSightingsWithoutKnowingTheFiel
     std::mt19937_64 random(1);
     for (int k = 0; k < 1000; ++k) {
       const Scan scan = scanOf(5, centre, {0.35, 0.25}, 0.03 * k, random);
-      detection.take(scan, 0, 0, std::vector<bool>(5, true));
+      detection.take(scan, 0, 0, std::vector<double>(5, 1.0));
     }
     const Scan scan = scanOf(0, centre, {0.35, 0.25}, 31.0, random);
     const double area = 0.7 * 0.5 * std::cos(centre.y());
     EXPECT_NEAR(detection.clutterDensity(scan), 5.0 / area, 0.15 * 5.0 / area);
     EXPECT_NEAR(detection.clutter(scan), 5.0, 0.3);
-    EXPECT_NEAR(detection.interval("camera"), 0.03, 1e-6);
   }
 }
 
@@ -50,7 +49,7 @@ TEST(DetectionCalibration, TakesTheFieldOfViewWhereItIsKnown) {
   for (int k = 0; k < 1000; ++k) {  // false sightings in a corner of the field only
     Scan scan = scanOf(5, {0.0, 0.0}, {0.1, 0.1}, 0.03 * k, random);
     scan.view = FieldOfView{Eigen::Matrix3d::Identity(), {0.5, 0.5}};
-    detection.take(scan, 0, 0, std::vector<bool>(5, true));
+    detection.take(scan, 0, 0, std::vector<double>(5, 1.0));
   }
   Scan scan = scanOf(0, {0.0, 0.0}, {0.1, 0.1}, 31.0, random);
   scan.view = FieldOfView{Eigen::Matrix3d::Identity(), {0.5, 0.5}};
@@ -67,6 +66,23 @@ TEST(DetectionCalibration, LearnsHowOftenTargetsAreSeen) {
   for (int k = 0; k < 2000; ++k) detection.take(scan, 1, is_seen(random), {});
   // 300 looks count: standard error sqrt(0.24 / 600) of an exponential mean, and 20 looks of the prior 0.9.
   EXPECT_NEAR(detection.probability(scan), (300.0 * 0.6 + 20.0 * 0.9) / 320.0, 0.06);
+}
+
+TEST(DetectionCalibration, WhereASensorHasLookedInVainTargetsAreNewOnesOnly) {
+  DetectionCalibration detection{DetectionParams{}};
+  Scan scan;
+  scan.sensor = "camera";
+  scan.detection_probability = 0.8;
+  scan.clutter_density = 2.0;
+  scan.view = FieldOfView{Eigen::Matrix3d::Identity(), {0.5, 0.5}};
+  detection.take(scan, 0, 0, {});
+  EXPECT_NEAR(detection.newTargetOdds(scan), 0.8 * 1.0 / (2.0 * scan.view->solidAngle()), 1e-9);
+  for (int k = 1; k < 100; ++k) {
+    scan.time += durationOf(0.1);
+    detection.take(scan, 0, 0, {});
+  }
+  // In balance: u = 0.2 u + 0.1 / s * 0.1 s, of which 0.8 are seen.
+  EXPECT_NEAR(detection.newTargetOdds(scan), 0.01 / (2.0 * scan.view->solidAngle()), 1e-6);
 }
 
 TEST(DetectionCalibration, WhatIsToldComesFirst) {
@@ -100,7 +116,7 @@ TEST(DetectionCalibration, ASpotOfFalseSightingsHasAPositiveDensity) {
   std::mt19937_64 random(1);
   for (int k = 0; k < 3000; ++k) {
     const Scan scan = scanOf(2, {0.1, 0.1}, {0.0, 0.0}, 0.03 * k, random);
-    detection.take(scan, 0, 0, {true, true});
+    detection.take(scan, 0, 0, {1.0, 1.0});
   }
   const Scan scan = scanOf(0, {0.1, 0.1}, {0.0, 0.0}, 91.0, random);
   EXPECT_TRUE(std::isfinite(detection.clutterDensity(scan)));

@@ -236,6 +236,44 @@ TEST(LocalTracker, ATargetThatTurnsWhileItIsHiddenIsKnownAgainByItsNewTrack) {
   EXPECT_EQ(confirmed(report)[0].id, id);
 }
 
+TEST(LocalTracker, ATargetThatJumpsKeepsItsId) {
+  // Fifteen sigmas at once, as sightings of a slow bird in a compressed video do.
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  const Path path = [](double t) { return Eigen::Vector2d(t < 3.0 ? 0.3 : 0.315, 0.2); };
+  std::set<std::uint32_t> ids;
+  for (int k = 0; k < 200; ++k) {
+    for (const Track& track : confirmed(tracker.onScan(sensor.look(0.03 * k, {path})))) ids.insert(track.id);
+  }
+  EXPECT_EQ(ids.size(), 1u);
+}
+
+TEST(LocalTracker, AShortSilenceIsSurvivedByATrackOfASensorThatStatesTooMuch) {
+  // A tenth of the stated sigma: after a second of silence its gate is wide by its noise, not by what it
+  // states.
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  std::set<std::uint32_t> ids;
+  for (int k = 0; k < 200; ++k) {
+    sensor.sigma = 1e-4;
+    Scan scan = sensor.look(0.03 * k + (k < 100 ? 0.0 : 1.0), {kSine});
+    for (Sighting& sighting : scan.sightings) sighting.covariance *= 100.0;
+    for (const Track& track : confirmed(tracker.onScan(scan))) ids.insert(track.id);
+  }
+  EXPECT_EQ(ids.size(), 1u);
+}
+
+TEST(LocalTracker, TargetsThatAreThereFromTheStartAreBelievedWithinASecond) {
+  LocalTracker tracker{LocalTrackerParams{}};
+  Sensor sensor;
+  sensor.sigma = 0.02;
+  std::vector<Path> targets;
+  for (int i = 0; i < 5; ++i) targets.push_back([i](double) { return Eigen::Vector2d(0.3 * i, 0.0); });
+  ScanReport report;
+  for (int k = 0; k < 6; ++k) report = tracker.onScan(sensor.look(0.2 * k, targets));
+  EXPECT_EQ(confirmed(report).size(), 5u);
+}
+
 TEST(LocalTracker, ATargetThatLeavesTheFieldOfViewIsNotMissed) {
   for (const bool is_known : {true, false}) {
     LocalTracker tracker{LocalTrackerParams{}};

@@ -79,7 +79,7 @@ TEST(TrackerParams, WhatIsOutOfRangeIsRefused) {
                             "lifecycle: {delete_misses: 0}",
                             "lifecycle: {confirm_existence: 1.0}",
                             "lifecycle: {show_existence: 1.0}",
-                            "lifecycle: {births: 0.0}",
+                            "detection: {births: 0.0}",
                             "lifecycle: {mean_patience: 0.0}",
                             "lifecycle: {merge_scans: 0}",
                             "detection: {probability: 1.5}",

@@ -24,6 +24,7 @@ struct Expectation {
   Eigen::Matrix2d smear = Eigen::Matrix2d::Zero();
   Eigen::Vector2d noise_scale = Eigen::Vector2d::Ones();  ///< of the sightings, as the track has found it
   double innovation_scale = 1.0;                          ///< by which S is enlarged, >= 1
+  double existence = 1.0;              ///< probability that there is a target, before the scan
   double detection_probability = 0.9;  ///< that the scan shows the target, were it there, in (0, 1)
   bool is_in_view = true;  ///< false: the sensor does not look there, or has never shown the target
 

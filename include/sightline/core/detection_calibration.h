@@ -15,6 +15,8 @@ struct DetectionParams {
   double probability = 0.0;       ///< P_D of a target in view, in [0, 1]; 0 = learnt, sensor by sensor
   double clutter_density = -1.0;  ///< false sightings [1/sr a scan], >= 0; negative = learnt
   double memory = 300.0;          ///< scans over which is learnt, >= 10
+  double births = 0.1;            ///< new targets expected in the view of a sensor [1/s], > 0
+  double first_targets = 1.0;     ///< expected there when it looks for the first time, > 0
 };
 
 /// What is known of one sensor.
@@ -26,7 +28,7 @@ struct CalibratedDetection {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< sum of those sightings' directions [1]
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();    ///< sum of their outer products [1]
   Time last_scan{};
-  double interval = 0.0;  ///< usual time between scans [s]; 0 = not known yet
+  double undiscovered = 0.0;  ///< targets in view that are in no track yet, expected before the last scan
 };
 
 /// How likely each sensor sees a target, and how many false sightings it gives in which solid angle, learnt
@@ -50,12 +52,17 @@ class DetectionCalibration {
   /// False sightings expected in the whole of the scan, > 0.
   double clutter(const Scan& scan) const;
 
-  /// Usual time between the sensor's scans, in [1 ms, 1 s] [s]; 30 ms before the second one.
-  double interval(const std::string& sensor) const;
+  /// Odds that a sighting of no track, of a scan that has been taken already, is of a new target: the
+  /// expected number of those over that of false sightings, > 0. Targets that a sensor has not seen in scan
+  /// after scan are not there, but for those that have come since.
+  double newTargetOdds(const Scan& scan) const;
+
+  /// New targets expected in `duration` [s] in a solid angle of 1 sr of the scan's view.
+  double birthDensity(const Scan& scan, double duration) const;
 
   /// Takes a scan in order of time. `looked`, `seen`: settled targets in view, and how many of them were
-  /// seen; `unclaimed`: for each sighting, whether it is of no believed track.
-  void take(const Scan& scan, int looked, int seen, const std::vector<bool>& unclaimed);
+  /// seen; `falseness`: of each sighting, the probability that it is of no target, in [0, 1].
+  void take(const Scan& scan, int looked, int seen, const std::vector<double>& falseness);
 
   /// By name.
   const std::vector<CalibratedDetection>& sensors() const { return sensors_; }

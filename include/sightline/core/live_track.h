@@ -29,7 +29,6 @@ struct LifecycleParams {
   int confirm_scans = 6;             ///< N: ... and without existence within so many scans; 1 <= M <= N
   double confirm_existence = 0.999;  ///< probability of existence from which a track is believed, in (0, 1)
   double show_existence = 0.5;  ///< below it a believed track is not shown until it is seen again, in [0, 1)
-  double births = 0.1;          ///< new targets expected in the view of a sensor [1/s], > 0
   PresenceParams presence;      ///< how targets come and go
   int coast_misses = 3;         ///< misses in a row after which a track counts as coasting, >= 1
   double coast_silence = 0.3;   ///< silence after which it does [s], > 0
@@ -65,7 +64,7 @@ class LiveTrack {
   ~LiveTrack() = default;
 
   std::uint32_t id() const { return id_; }
-  std::uint32_t hits() const { return hits_; }
+  Time lastSighting() const { return last_sighting_; }
   bool isBelieved() const { return status_ != TrackStatus::tentative && !lost_; }
   bool isSettled() const { return status_ == TrackStatus::confirmed && !lost_ && hits_ >= kSettledHits; }
 
@@ -85,9 +84,14 @@ class LiveTrack {
   void miss(const Scan& scan, const Expectation& expectation, double evidence,
             const LifecycleParams& lifecycle);
 
-  /// Squared distance of the motions of two tracks at `time`, in units of both their covariances [1]; four
-  /// degrees of freedom where they are of the same target.
-  double distanceTo(const LiveTrack& other, Time time) const;
+  /// Whether its target may be the one that another track has just found: it is lost, or has been missed
+  /// more than once.
+  bool isMissing() const { return lost_ || (status_ != TrackStatus::tentative && misses_ >= 2); }
+
+  /// ln of the density with which a target of this track, if it returns, has the motion of `fresh`
+  /// [1/(rad^2 (rad/s)^2)]. Targets sometimes jump, where sightings stand still or a filter is too sure: one
+  /// in twenty is allowed 25 times the distance.
+  double logDensityOfReturn(const LiveTrack& fresh, Time time) const;
 
   /// Goes on as the track that a target had before it was lost.
   void takeUp(const LiveTrack& lost);
@@ -131,7 +135,8 @@ class LiveTrack {
   std::unique_ptr<Estimator> estimator_;
   mutable std::optional<Time> known_at_;  // for which ...
   mutable AngularState known_;            // ... the state has been asked, in the chart
-  Eigen::Matrix2d last_covariance_;       // of the last sighting, in the chart [rad^2]
+  Eigen::Matrix2d last_covariance_;       // of the last sighting, in the chart [rad^2] ...
+  double last_noise_scale_;               // ... and the factor on the stated one that it has in it
   Time last_sighting_;
   Time weighed_;                   // of `existence_`
   double interval_ = 0.0;          // usual time between sightings [s]; 0 = not known yet

@@ -114,7 +114,7 @@ class LocalTracker {
   std::vector<std::uint32_t> update(const Scan& scan, const Look& look, bool is_excluded);
   void learnDetection(const Scan& scan, const Look& look);
   void mergeDuplicates(const Look& look);
-  void knowAgain(std::uint32_t id, Pairing& pairing);
+  void knowAgain(const Scan& scan, std::uint32_t id, Pairing& pairing);
   void start(const Scan& scan, Pairing& pairing);
   void giveUpTheDead(Time time);
   std::vector<Track> report() const;
