@@ -37,9 +37,15 @@ GlobalTrack::GlobalTrack(std::uint32_t id, Time time, const LocalKey& key, const
   density_ = supporters_.front().density;
 }
 
+std::size_t GlobalTrack::numberOf(const std::string& tracker) const {
+  const auto found =
+      std::find_if(supporters_.begin(), supporters_.end(),
+                   [&tracker](const Supporter& supporter) { return supporter.key.tracker == tracker; });
+  return static_cast<std::size_t>(found - supporters_.begin());
+}
+
 bool GlobalTrack::hasTracker(const std::string& tracker) const {
-  return std::any_of(supporters_.begin(), supporters_.end(),
-                     [&tracker](const Supporter& supporter) { return supporter.key.tracker == tracker; });
+  return numberOf(tracker) < supporters_.size();
 }
 
 bool GlobalTrack::hasAnyTrackerOf(const GlobalTrack& other) const {
@@ -90,6 +96,7 @@ double GlobalTrack::renew(std::size_t supporter, const LocalTrack& local) {
   Supporter renewed = supporterOf(old.key, local);
   renewed.contributed = old.contributed;
   renewed.contradicts_since = old.contradicts_since;
+  renewed.misplaced_since = old.misplaced_since;
   const double surprise = distanceSquared(estimateOf(old.state), estimateOf(renewed.state), 0.0);
   cross_.update(supporter, old.state.covariance, renewed.state.covariance);
   old = std::move(renewed);
@@ -99,6 +106,13 @@ double GlobalTrack::renew(std::size_t supporter, const LocalTrack& local) {
 void GlobalTrack::leave(std::size_t supporter) {
   supporters_.erase(supporters_.begin() + static_cast<std::ptrdiff_t>(supporter));
   cross_.remove(supporter);
+}
+
+std::optional<Time> GlobalTrack::setMisplaced(std::size_t supporter, bool is_misplaced) {
+  std::optional<Time>& since = supporters_[supporter].misplaced_since;
+  if (!is_misplaced) since.reset();
+  if (is_misplaced && !since) since = time_;
+  return since;
 }
 
 void GlobalTrack::setUnusable(std::size_t supporter, const std::string& why) {
@@ -172,6 +186,17 @@ Estimate<4> GlobalTrack::opinion() const {
   for (const std::size_t number : usable()) estimates.push_back(estimateOf(supporters_[number].state));
   const auto fused = weightedCovariance(estimates);
   return fused ? Estimate<4>{fused->mean, fused->covariance} : estimateOf(state_);
+}
+
+std::optional<Estimate<4>> GlobalTrack::opinionWithout(const std::string& tracker) const {
+  std::vector<Estimate<4>> estimates;
+  for (const std::size_t number : usable()) {
+    if (supporters_[number].key.tracker != tracker)
+      estimates.push_back(estimateOf(supporters_[number].state));
+  }
+  const auto fused = weightedCovariance(estimates);
+  if (!fused) return std::nullopt;
+  return Estimate<4>{fused->mean, fused->covariance};
 }
 
 void GlobalTrack::setFused(const std::vector<std::size_t>& contributors, const AngularState& fused) {

@@ -18,6 +18,8 @@ namespace sightline::core {
 namespace {
 
 constexpr double kForbidden = std::numeric_limits<double>::infinity();
+constexpr double kReachSlack = 2.0;  // of the gate, before distances are computed exactly
+constexpr double kShortAge = 0.2;    // for which that is enough [s]
 
 AngularState stateOf(const Estimate<4>& estimate) {
   return {estimate.mean, estimate.covariance};
@@ -90,6 +92,7 @@ FusionReport TrackFusion::onReport(const LocalReport& report) {
 
   follow(report.tracker);
   separate(report.tracker);
+  rearrange(report.tracker);
   for (const auto& named : reports_.trackers()) associate(named.first, named.first == report.tracker);
   for (Entry& entry : entries_) fuse(entry, report.tracker);
   dropSilent();
@@ -105,6 +108,7 @@ void TrackFusion::reset() {
   reports_ = LocalReports(params_.reports);
   tracklets_ = TrackletMemory(memoryParams(params_));
   entries_.clear();
+  waiting_.clear();
   time_ = {};
   latest_ = {};
 }
@@ -150,6 +154,94 @@ void TrackFusion::separate(const std::string& reporting) {
   }
 }
 
+/// Tracks of the reporting tracker that have lasted in places that are not theirs (their tracker took one
+/// target for another, or started a second track) go to their own, all of a group at once. One that waits for
+/// a place which another still has does not start a global track meanwhile.
+void TrackFusion::rearrange(const std::string& tracker) {
+  for (auto it = waiting_.begin(); it != waiting_.end();)
+    it = it->first.tracker == tracker ? waiting_.erase(it) : std::next(it);
+
+  const std::vector<Placement> misplaced = misplacedOf(tracker);
+  for (auto first = misplaced.begin(); first != misplaced.end();) {
+    const auto last = std::find_if(first, misplaced.end(),
+                                   [first](const Placement& it) { return it.group != first->group; });
+    const std::vector<Placement> movers(first, last);
+    const bool is_due = std::any_of(first, last, [this](const Placement& it) {
+      if (!it.present) return false;
+      const GlobalTrack& track = entries_[*it.present].track;
+      return seconds(time_ - *track.supporters()[track.numberOf(it.key.tracker)].misplaced_since) >=
+             params_.leave_after;
+    });
+    if (is_due) {
+      move(movers);
+    } else {
+      for (const Placement& it : movers) {
+        if (!it.present && it.best && entries_[*it.best].track.hasTracker(tracker))
+          waiting_[it.key] = entries_[*it.best].track.id();
+      }
+    }
+    first = last;
+  }
+  const auto is_left = [&misplaced, this](const Entry& entry) {
+    const auto index = static_cast<std::size_t>(&entry - entries_.data());
+    return entry.track.supporters().empty() &&
+           std::any_of(misplaced.begin(), misplaced.end(),
+                       [index](const Placement& it) { return it.present == index && it.best; });
+  };
+  std::vector<std::uint32_t> left;
+  for (const Entry& entry : entries_) {
+    if (is_left(entry)) left.push_back(entry.track.id());
+  }
+  erase(left);
+}
+
+/// By group; each remembers since when it is. One that has no better place stays as long as nobody wants its.
+std::vector<Placement> TrackFusion::misplacedOf(const std::string& tracker) {
+  std::vector<std::pair<LocalKey, const LocalTrack*>> free;
+  for (const Row& row : freeTracksOf(tracker)) free.emplace_back(*row.key, reports_.find(*row.key));
+  std::vector<const GlobalTrack*> tracks;
+  for (const Entry& entry : entries_) tracks.push_back(&entry.track);
+  std::vector<Placement> placements =
+      placementsOf(tracker, free, tracks, {join_threshold_, params_.registration_sigma});
+
+  const auto isWanted = [&placements](std::size_t place) {
+    return std::any_of(placements.begin(), placements.end(),
+                       [place](const Placement& it) { return it.best == place && it.present != place; });
+  };
+  std::vector<Placement> misplaced;
+  for (const Placement& it : placements) {
+    if (!it.isRight() && (it.best || isWanted(*it.present))) misplaced.push_back(it);
+  }
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    GlobalTrack& track = entries_[i].track;
+    if (!track.hasTracker(tracker)) continue;
+    track.setMisplaced(track.numberOf(tracker),
+                       std::any_of(misplaced.begin(), misplaced.end(),
+                                   [i](const Placement& it) { return it.present == i; }));
+  }
+  return misplaced;
+}
+
+/// First all leave, then each joins. What one said elsewhere since it was misplaced is taken back there, and
+/// what it said before is not said here.
+void TrackFusion::move(const std::vector<Placement>& movers) {
+  std::vector<std::optional<Time>> since(movers.size());
+  for (std::size_t k = 0; k < movers.size(); ++k) {
+    if (!movers[k].present) continue;
+    Entry& entry = entries_[*movers[k].present];
+    const std::size_t number = entry.track.numberOf(movers[k].key.tracker);
+    since[k] = entry.track.supporters()[number].misplaced_since;
+    leave(entry, number);
+  }
+  for (std::size_t k = 0; k < movers.size(); ++k) {
+    if (!movers[k].best) continue;
+    Entry& entry = entries_[*movers[k].best];
+    if (since[k]) entry.tracklets.passOver(movers[k].key, *since[k], tracklets_);
+    entry.track.join(movers[k].key, *reports_.find(movers[k].key));
+    entry.track.compareSupporters(params_.registration_sigma);
+  }
+}
+
 /// Finds a global track for each free local track of `tracker`, by optimal assignment; with `merge` also for
 /// the global tracks that it supports already, which then become one with the one found. What is left starts
 /// a global track.
@@ -166,7 +258,9 @@ void TrackFusion::associate(const std::string& tracker, bool merge) {
   }
   if (rows.empty()) return;
 
-  const std::vector<int> found = assign(distances(rows, columns), join_threshold_);
+  double cost_alone = 0.0;
+  const Eigen::MatrixXd cost = costs(rows, columns, cost_alone);
+  const std::vector<int> found = assign(cost, cost_alone);
   std::vector<std::pair<std::size_t, std::size_t>> same;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const std::optional<LocalKey>& key = rows[row].key;
@@ -185,27 +279,49 @@ void TrackFusion::associate(const std::string& tracker, bool merge) {
   unite(same);
 }
 
-/// Normalised distances squared; infinite beyond the gate, and between global tracks with a tracker in
-/// common.
-Eigen::MatrixXd TrackFusion::distances(const std::vector<Row>& rows,
-                                       const std::vector<std::size_t>& columns) const {
-  Eigen::MatrixXd distances = Eigen::MatrixXd::Constant(
-      static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns.size()), kForbidden);
-  for (Eigen::Index column = 0; column < distances.cols(); ++column) {
+/// Normalised distances squared and ln det of their covariances, so that a vague track near to many does not
+/// take a sharp one's place; infinite beyond the gate, and between global tracks with a tracker in common. To
+/// stay alone costs as much as the vaguest pair at the gate.
+Eigen::MatrixXd TrackFusion::costs(const std::vector<Row>& rows, const std::vector<std::size_t>& columns,
+                                   double& cost_alone) const {
+  double largest_log_determinant = -kForbidden;
+  Eigen::MatrixXd costs = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(rows.size()),
+                                                    static_cast<Eigen::Index>(columns.size()), kForbidden);
+  std::vector<Eigen::Vector3d> directions;
+  for (const Row& row : rows) directions.push_back(directionOf(row.state_tracking.angles()));
+  for (Eigen::Index column = 0; column < costs.cols(); ++column) {
     const GlobalTrack& track = entries_[columns[static_cast<std::size_t>(column)]].track;
     const Estimate<4> opinion = track.opinion();
-    for (Eigen::Index i = 0; i < distances.rows(); ++i) {
-      const Row& row = rows[static_cast<std::size_t>(i)];
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const Row& row = rows[i];
+      const Eigen::Vector2d place = track.chart().coordinatesOf(directions[i]);
+      if (isFarAway(row, place, opinion) || !track.chart().holds(place)) continue;
       if (!row.key && entries_[row.entry].track.hasAnyTrackerOf(track)) continue;
-      const Eigen::Vector3d direction = directionOf(row.state_tracking.angles());
-      if (!track.chart().holds(track.chart().coordinatesOf(direction))) continue;
       const AngularState aligned = track.aligned(row.state_tracking, row.time);
       const double distance_squared =
           distanceSquared({aligned.mean, aligned.covariance}, opinion, params_.registration_sigma);
-      if (distance_squared <= join_threshold_) distances(i, column) = distance_squared;
+      if (!(distance_squared <= join_threshold_)) continue;
+      const double log_determinant = unsureness({opinion.mean, aligned.covariance + opinion.covariance});
+      costs(static_cast<Eigen::Index>(i), column) = distance_squared + log_determinant;
+      largest_log_determinant = std::max(largest_log_determinant, log_determinant);
     }
   }
-  return distances;
+  cost_alone = std::isfinite(largest_log_determinant) ? join_threshold_ + largest_log_determinant : 0.0;
+  return costs;
+}
+
+/// Whether a row at `place` in the chart of an opinion is out of its gate for certain, however its covariance
+/// grows on the way to the common time.
+bool TrackFusion::isFarAway(const Row& row, const Eigen::Vector2d& place, const Estimate<4>& opinion) const {
+  const double age = std::abs(seconds(time_ - row.time));
+  if (age > kShortAge) return false;
+  const Eigen::Vector2d apart = angleDifference(place, opinion.mean.head<2>());
+  const double variance = row.state_tracking.covariance.trace() +  // of rates too: they grow in < 1 s
+                          opinion.covariance.topLeftCorner<2, 2>().trace() +
+                          2.0 * params_.registration_sigma * params_.registration_sigma;
+  const double reach =
+      std::sqrt(kReachSlack * join_threshold_ * variance) + age * row.state_tracking.mean.tail<2>().norm();
+  return apart.squaredNorm() > reach * reach;
 }
 
 /// Each pair of entries becomes one, under the older's id.
@@ -217,8 +333,12 @@ void TrackFusion::unite(const std::vector<std::pair<std::size_t, std::size_t>>& 
     entries_[older].track.compareSupporters(params_.registration_sigma);
     gone.push_back(entries_[younger].track.id());
   }
-  const auto is_gone = [&gone](const Entry& entry) {
-    return std::find(gone.begin(), gone.end(), entry.track.id()) != gone.end();
+  erase(gone);
+}
+
+void TrackFusion::erase(const std::vector<std::uint32_t>& ids) {
+  const auto is_gone = [&ids](const Entry& entry) {
+    return std::find(ids.begin(), ids.end(), entry.track.id()) != ids.end();
   };
   entries_.erase(std::remove_if(entries_.begin(), entries_.end(), is_gone), entries_.end());
 }
@@ -234,11 +354,13 @@ void TrackFusion::start(const LocalKey& key) {
   entries_.push_back(std::move(entry));
 }
 
-/// A supporter goes. What it says from now on does not count; what it said while it contradicted is taken
-/// back.
+/// A supporter goes. What it says from now on does not count; what it said while it contradicted, or was
+/// in the wrong place, is taken back.
 void TrackFusion::leave(Entry& entry, std::size_t supporter) const {
   const Supporter& leaving = entry.track.supporters()[supporter];
-  if (leaving.contradicts_since) entry.tracklets.takeBack(leaving.key, *leaving.contradicts_since);
+  const std::optional<Time>& since =
+      leaving.contradicts_since ? leaving.contradicts_since : leaving.misplaced_since;
+  if (since) entry.tracklets.takeBack(leaving.key, *since);
   entry.tracklets.leave(leaving.key);
   entry.track.leave(supporter);
 }
@@ -401,6 +523,10 @@ FusionReport TrackFusion::describe() const {
     for (const auto& [id, local] : tracker.tracks) {
       if (isSupporter({name, id})) continue;
       std::string why = whyUnusable(name, local);
+      const auto waits = waiting_.find({name, id});
+      if (why.empty() && waits != waiting_.end())
+        why = "contested: another track of its tracker still has its place in global track " +
+              std::to_string(waits->second);
       if (why.empty() && local.track.status == TrackStatus::coasting)
         why = "coasting: it cannot start a global track";
       if (why.empty())
@@ -447,7 +573,9 @@ bool TrackFusion::isSupporter(const LocalKey& key) const {
 std::vector<TrackFusion::Row> TrackFusion::freeTracksOf(const std::string& tracker) const {
   std::vector<Row> free;
   for (const auto& [id, local] : reports_.trackers().at(tracker).tracks) {
-    if (!whyUnusable(tracker, local).empty() || isSupporter({tracker, id})) continue;
+    if (!whyUnusable(tracker, local).empty() || isSupporter({tracker, id}) ||
+        waiting_.count({tracker, id}) > 0)
+      continue;
     free.push_back({LocalKey{tracker, id}, 0, local.track.state, local.time});
   }
   return free;

@@ -39,6 +39,14 @@ bool TrackletFusion::speaksFor(const LocalKey& supporter, const Tracklet& trackl
   return true;
 }
 
+void TrackletFusion::passOver(const LocalKey& supporter, Time before, const TrackletMemory& memory) {
+  const auto* remembered = memory.find(supporter);
+  if (remembered == nullptr) return;
+  for (const TrackletMemory::Remembered& it : *remembered) {
+    if (it.tracklet.time < before) fed_[supporter] = std::max(fed_[supporter], it.number);
+  }
+}
+
 void TrackletFusion::takeBack(const LocalKey& supporter, Time since) {
   if (const auto least = track_.remove(supporter, since)) fed_[supporter] = *least - 1;
 }

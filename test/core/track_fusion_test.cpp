@@ -185,6 +185,62 @@ TEST(TrackFusion, TracksThatTurnOutToBeOneKeepTheOlderId) {
   EXPECT_EQ(sourcesOf(report.tracks[0]), (Names{"a 1", "b 1"}));
 }
 
+TEST(TrackFusion, TrackThatFitsBetterTakesThePlaceOfOneThatStrayedAndStartsNothingMeanwhile) {
+  // c 1 strays, not so far that it contradicts; then c 2 appears where the target is.
+  TrackFusion fusion({});
+  FusionReport report;
+  for (int k = 0; k <= 8; ++k) {
+    const double t = 1.0 + 0.1 * k;
+    for (const char* tracker : {"a", "b"}) fusion.onReport(reportOf(tracker, t, {localTrack(1, {0.0, 0.0})}));
+    std::vector<Track> tracks{localTrack(1, {k == 0 ? 0.0 : 4e-3, 0.0})};
+    if (k > 1) tracks.push_back(localTrack(2, {0.0, 0.0}));
+    report = fusion.onReport(reportOf("c", t, tracks));
+    if (k < 7) {
+      ASSERT_EQ(report.tracks.size(), 1u) << t;
+      EXPECT_EQ(sourcesOf(report.tracks[0]), (Names{"a 1", "b 1", "c 1"})) << t;
+    }
+    if (k > 1 && k < 7) {
+      EXPECT_EQ(reasonsOf(report.left_out), (Names{"c 2 contested"})) << t;
+    }
+  }
+  ASSERT_EQ(report.tracks.size(), 2u);
+  EXPECT_EQ(report.tracks[0].track.id, 1u);
+  EXPECT_EQ(sourcesOf(report.tracks[0]), (Names{"a 1", "b 1", "c 2"}));
+  EXPECT_EQ(sourcesOf(report.tracks[1]), (Names{"c 1"}));
+}
+
+TEST(TrackFusion, TracksOfATrackerThatTookOneTargetForTheOtherChangePlacesWithoutNewIds) {
+  TrackFusion fusion({});
+  const double apart = 5e-3;  // sigma 1 mrad: they contradict, but not so much that they leave by themselves
+  FusionReport report;
+  for (int k = 0; k <= 8; ++k) {
+    const double t = 1.0 + 0.1 * k;
+    for (const char* tracker : {"a", "b"}) {
+      fusion.onReport(reportOf(tracker, t, {localTrack(1, {0.0, 0.0}), localTrack(2, {apart, 0.0})}));
+    }
+    const bool exchanged = k > 0;
+    report = fusion.onReport(reportOf(
+        "c", t,
+        {localTrack(1, {exchanged ? apart : 0.0, 0.0}), localTrack(2, {exchanged ? 0.0 : apart, 0.0})}));
+    ASSERT_EQ(report.tracks.size(), 2u) << t;
+    EXPECT_EQ(report.tracks[1].track.id, 2u);
+  }
+  EXPECT_EQ(sourcesOf(report.tracks[0]), (Names{"a 1", "b 1", "c 2"}));
+  EXPECT_EQ(sourcesOf(report.tracks[1]), (Names{"a 2", "b 2", "c 1"}));
+}
+
+TEST(TrackFusion, VagueTrackDoesNotPushOutASharpOneThatIsAlittleOff) {
+  TrackFusion fusion({});
+  FusionReport report;
+  for (int k = 0; k <= 12; ++k) {
+    const double t = 1.0 + 0.1 * k;
+    for (const char* tracker : {"a", "b"}) fusion.onReport(reportOf(tracker, t, {localTrack(1, {0.0, 0.0})}));
+    report =
+        fusion.onReport(reportOf("c", t, {localTrack(1, {3e-3, 0.0}), localTrack(2, {1e-3, 0.0}, 2e-2)}));
+  }
+  EXPECT_EQ(sourcesOf(report.tracks[0]), (Names{"a 1", "b 1", "c 1"}));
+}
+
 TEST(TrackFusion, CrossingTargetsAreNotExchanged) {
   TrackFusion fusion({});
   std::mt19937_64 random(3);

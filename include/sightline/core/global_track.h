@@ -28,6 +28,7 @@ struct Supporter {
   std::string unusable;      ///< why it does not count at the moment ("kind: details"); empty when it does
   bool contributed = false;  ///< to the last fusion
   std::optional<Time> contradicts_since;  ///< when it began to contradict the others
+  std::optional<Time> misplaced_since;    ///< when another place began to be better for it, or it for another
   /// From the other usable supporters taken together, at the last look [1]; NaN = there are none.
   double distance_squared = std::numeric_limits<double>::quiet_NaN();
 };
@@ -45,6 +46,7 @@ class GlobalTrack {
   const Chart& chart() const { return chart_; }
   const std::vector<Supporter>& supporters() const { return supporters_; }
   bool hasTracker(const std::string& tracker) const;
+  std::size_t numberOf(const std::string& tracker) const;  ///< of its supporter, one past the last if none
   bool hasAnyTrackerOf(const GlobalTrack& other) const;
 
   /// Predicts everything to `time`, not before the last.
@@ -58,6 +60,9 @@ class GlobalTrack {
   double renew(std::size_t supporter, const LocalTrack& local);
 
   void leave(std::size_t supporter);
+
+  /// Whether the supporter is in the right place; if not, since when is remembered, and returned.
+  std::optional<Time> setMisplaced(std::size_t supporter, bool is_misplaced);
 
   /// Says that the supporter does not count at the moment, or (empty) that it does.
   void setUnusable(std::size_t supporter, const std::string& why);
@@ -79,6 +84,9 @@ class GlobalTrack {
   /// What all usable supporters say together (as if independent), or without any the predicted last estimate;
   /// in this chart.
   Estimate<4> opinion() const;
+
+  /// What the usable supporters of other trackers say together; nullopt when there are none.
+  std::optional<Estimate<4>> opinionWithout(const std::string& tracker) const;
 
   /// A state in the tracking frame at `time`, in this chart at this track's time.
   AngularState aligned(const AngularState& state_tracking, Time time) const;

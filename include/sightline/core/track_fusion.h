@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "sightline/core/fusion_rules.h"
 #include "sightline/core/global_track.h"
 #include "sightline/core/local_reports.h"
+#include "sightline/core/placement.h"
 #include "sightline/core/time.h"
 #include "sightline/core/tracklet_fusion.h"
 #include "sightline/core/tracklet_memory.h"
@@ -108,9 +110,15 @@ class TrackFusion {
 
   void follow(const std::string& reporting);
   void separate(const std::string& reporting);
+  void rearrange(const std::string& tracker);
+  std::vector<Placement> misplacedOf(const std::string& tracker);
+  void move(const std::vector<Placement>& movers);
   void associate(const std::string& tracker, bool merge);
-  Eigen::MatrixXd distances(const std::vector<Row>& rows, const std::vector<std::size_t>& columns) const;
+  Eigen::MatrixXd costs(const std::vector<Row>& rows, const std::vector<std::size_t>& columns,
+                        double& cost_alone) const;
+  bool isFarAway(const Row& row, const Eigen::Vector2d& place, const Estimate<4>& opinion) const;
   void unite(const std::vector<std::pair<std::size_t, std::size_t>>& pairs);
+  void erase(const std::vector<std::uint32_t>& ids);
   void start(const LocalKey& key);
   void fuse(Entry& entry, const std::string& reporting);
   void feedTracklets(Entry& entry);
@@ -136,7 +144,8 @@ class TrackFusion {
   std::size_t late_tracklets_ = 0;
   Time time_{};
   std::uint32_t next_id_ = 1;
-  std::vector<Entry> entries_;  // ascending id
+  std::vector<Entry> entries_;                 // ascending id
+  std::map<LocalKey, std::uint32_t> waiting_;  // free tracks for a place that another still has: whose
   FusionReport latest_;
 };
 

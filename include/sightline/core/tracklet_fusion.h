@@ -37,6 +37,9 @@ class TrackletFusion {
   /// found to support the target.
   void feed(const Supporter& supporter, const TrackletMemory& memory);
 
+  /// What the supporter said before then was of another target, and is never taken.
+  void passOver(const LocalKey& supporter, Time before, const TrackletMemory& memory);
+
   /// Takes back what the supporter said since then; a later `feed` may bring it again.
   void takeBack(const LocalKey& supporter, Time since);
 
