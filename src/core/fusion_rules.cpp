@@ -187,6 +187,36 @@ std::optional<FusedEstimate<N>> weightedCovariance(const std::vector<Estimate<N>
 }
 
 template <int N>
+std::vector<std::optional<Estimate<N>>> weightedCovarianceOfOthers(const std::vector<Estimate<N>>& sources) {
+  std::vector<std::optional<Estimate<N>>> others(sources.size());
+  if (sources.size() == 2) return {sources[1], sources[0]};  // as they are, so that both differ by the same
+  const auto problem = sources.size() > 2 ? Problem<N>::of(sources) : std::nullopt;
+  if (!problem) return others;
+  // Sums without differences: what comes before a source, and what comes behind it.
+  std::vector<Matrix<N>> Y(sources.size(), Matrix<N>::Zero());
+  std::vector<Vector<N>> y(sources.size(), Vector<N>::Zero());
+  Matrix<N> sum_Y = Matrix<N>::Zero();
+  Vector<N> sum_y = Vector<N>::Zero();
+  const auto pass = [&](std::size_t i) {
+    Y[i] += sum_Y;
+    y[i] += sum_y;
+    sum_Y += problem->informations[i];
+    sum_y += problem->informations[i] * problem->means[i];
+  };
+  for (std::size_t i = 0; i < sources.size(); ++i) pass(i);
+  sum_Y.setZero();
+  sum_y.setZero();
+  for (std::size_t i = sources.size(); i-- > 0;) pass(i);
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const auto P = inverseOf(Y[i]);
+    if (!P) continue;
+    const FusedEstimate<N> fused = problem->units.outward({*P * y[i], *P, {}});
+    others[i] = Estimate<N>{fused.mean, fused.covariance};
+  }
+  return others;
+}
+
+template <int N>
 std::optional<FusedEstimate<N>> barShalomCampo(const Estimate<N>& a, const Estimate<N>& b,
                                                const Eigen::Matrix<double, N, N>& P_ab) {
   const auto units = Units<N>::of({a, b});
@@ -303,6 +333,7 @@ std::optional<FusedEstimate<N>> inverseCovarianceIntersection(const std::vector<
 }
 
 template std::optional<FusedEstimate<2>> weightedCovariance(const std::vector<Estimate<2>>&);
+template std::vector<std::optional<Estimate<2>>> weightedCovarianceOfOthers(const std::vector<Estimate<2>>&);
 template std::optional<FusedEstimate<2>> barShalomCampo(const Estimate<2>&, const Estimate<2>&,
                                                         const Eigen::Matrix2d&);
 template std::optional<FusedEstimate<2>> maximumLikelihood(const std::vector<Estimate<2>>&,
@@ -319,6 +350,7 @@ template std::optional<FusedEstimate<2>> inverseCovarianceIntersection(const Est
                                                                        const Estimate<2>&);
 template std::optional<FusedEstimate<2>> inverseCovarianceIntersection(const std::vector<Estimate<2>>&);
 template std::optional<FusedEstimate<4>> weightedCovariance(const std::vector<Estimate<4>>&);
+template std::vector<std::optional<Estimate<4>>> weightedCovarianceOfOthers(const std::vector<Estimate<4>>&);
 template std::optional<FusedEstimate<4>> barShalomCampo(const Estimate<4>&, const Estimate<4>&,
                                                         const Eigen::Matrix4d&);
 template std::optional<FusedEstimate<4>> maximumLikelihood(const std::vector<Estimate<4>>&,

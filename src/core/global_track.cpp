@@ -138,19 +138,15 @@ std::vector<std::size_t> GlobalTrack::usable() const {
 
 void GlobalTrack::compareSupporters(double registration_sigma) {
   const std::vector<std::size_t> numbers = usable();
-  for (const std::size_t number : numbers) {
-    Supporter& supporter = supporters_[number];
-    supporter.distance_squared = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Estimate<4>> estimates;
+  for (const std::size_t number : numbers) estimates.push_back(estimateOf(supporters_[number].state));
+  const auto others = weightedCovarianceOfOthers(estimates);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    double& distance_squared = supporters_[numbers[i]].distance_squared;
+    distance_squared = std::numeric_limits<double>::quiet_NaN();
     if (numbers.size() < 2) return;
-    std::vector<Estimate<4>> others;
-    for (const std::size_t other : numbers) {
-      if (other != number) others.push_back(estimateOf(supporters_[other].state));
-    }
-    supporter.distance_squared = std::numeric_limits<double>::infinity();
-    if (const auto rest = weightedCovariance(others)) {
-      supporter.distance_squared =
-          distanceSquared(estimateOf(supporter.state), {rest->mean, rest->covariance}, registration_sigma);
-    }
+    distance_squared = others[i] ? distanceSquared(estimates[i], *others[i], registration_sigma)
+                                 : std::numeric_limits<double>::infinity();
   }
 }
 

@@ -115,6 +115,11 @@ double SensorGuard::noiseScale(const std::string& sensor) const {
   return watch == nullptr || watch->undecided ? 1.0 : watch->health.noiseScale();
 }
 
+bool SensorGuard::holdsAnything() const {
+  return std::any_of(watches_.begin(), watches_.end(),
+                     [](const Watch& watch) { return !watch.undecided && watch.health.noiseScale() != 1.0; });
+}
+
 double SensorGuard::clockVariance(const std::string& sensor) const {
   const Watch* watch = find(sensor);
   if (watch == nullptr || !watch->wrong_clock || watch->clock_undecided) return 0.0;

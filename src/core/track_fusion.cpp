@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kForbidden = std::numeric_limits<double>::infinity();
 constexpr double kReachSlack = 2.0;  // of the gate, before distances are computed exactly
+constexpr double kMergeSlack = 8.0;  // the same for global tracks, whose states are not their opinions
 constexpr double kShortAge = 0.2;    // for which that is enough [s]
 
 AngularState stateOf(const Estimate<4>& estimate) {
@@ -247,13 +248,17 @@ void TrackFusion::move(const std::vector<Placement>& movers) {
 /// a global track.
 void TrackFusion::associate(const std::string& tracker, bool merge) {
   std::vector<Row> rows = freeTracksOf(tracker);
-  std::vector<std::size_t> columns;
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
-    const GlobalTrack& track = entries_[i].track;
-    if (!track.hasTracker(tracker)) {
-      columns.push_back(i);
-    } else if (merge) {
-      rows.push_back({{}, i, track.chart().toTracking(stateOf(track.opinion())), time_});
+  if (rows.empty() && !merge) return;
+  std::vector<std::size_t> columns, supported;
+  for (std::size_t i = 0; i < entries_.size(); ++i)
+    (entries_[i].track.hasTracker(tracker) ? supported : columns).push_back(i);
+  if (merge) {
+    for (const std::size_t i : supported) {
+      const GlobalTrack& track = entries_[i].track;
+      const bool has_neighbour = std::any_of(columns.begin(), columns.end(), [&](std::size_t column) {
+        return areNear(track, entries_[column].track);
+      });
+      if (has_neighbour) rows.push_back({{}, i, track.chart().toTracking(stateOf(track.opinion())), time_});
     }
   }
   if (rows.empty()) return;
@@ -308,6 +313,15 @@ Eigen::MatrixXd TrackFusion::costs(const std::vector<Row>& rows, const std::vect
   }
   cost_alone = std::isfinite(largest_log_determinant) ? join_threshold_ + largest_log_determinant : 0.0;
   return costs;
+}
+
+/// Whether two global tracks may be one, before that is computed exactly.
+bool TrackFusion::areNear(const GlobalTrack& a, const GlobalTrack& b) const {
+  const double variance = a.state().anglesCovariance().trace() + b.state().anglesCovariance().trace() +
+                          2.0 * params_.registration_sigma * params_.registration_sigma;
+  const Eigen::Vector3d apart =
+      a.chart().directionAt(a.state().angles()) - b.chart().directionAt(b.state().angles());
+  return apart.squaredNorm() <= kMergeSlack * join_threshold_ * variance;
 }
 
 /// Whether a row at `place` in the chart of an opinion is out of its gate for certain, however its covariance
@@ -520,8 +534,9 @@ FusionReport TrackFusion::describe() const {
       report.left_out.push_back(
           {*name, id, 0.0, std::numeric_limits<double>::quiet_NaN(), age, std::move(why)});
     };
+    const std::vector<std::uint32_t> supporters = supportersOf(name);
     for (const auto& [id, local] : tracker.tracks) {
-      if (isSupporter({name, id})) continue;
+      if (std::binary_search(supporters.begin(), supporters.end(), id)) continue;
       std::string why = whyUnusable(name, local);
       const auto waits = waiting_.find({name, id});
       if (why.empty() && waits != waiting_.end())
@@ -561,21 +576,23 @@ std::string TrackFusion::whyUnusable(const std::string& tracker, const LocalTrac
   return why.str();
 }
 
-bool TrackFusion::isSupporter(const LocalKey& key) const {
+/// Ids of the tracker's tracks that support a global one, ascending.
+std::vector<std::uint32_t> TrackFusion::supportersOf(const std::string& tracker) const {
+  std::vector<std::uint32_t> ids;
   for (const Entry& entry : entries_) {
-    for (const Supporter& supporter : entry.track.supporters()) {
-      if (supporter.key == key) return true;
-    }
+    const std::size_t number = entry.track.numberOf(tracker);
+    if (number < entry.track.supporters().size()) ids.push_back(entry.track.supporters()[number].key.id);
   }
-  return false;
+  std::sort(ids.begin(), ids.end());
+  return ids;
 }
 
 std::vector<TrackFusion::Row> TrackFusion::freeTracksOf(const std::string& tracker) const {
   std::vector<Row> free;
+  const std::vector<std::uint32_t> supporters = supportersOf(tracker);
   for (const auto& [id, local] : reports_.trackers().at(tracker).tracks) {
-    if (!whyUnusable(tracker, local).empty() || isSupporter({tracker, id}) ||
-        waiting_.count({tracker, id}) > 0)
-      continue;
+    if (std::binary_search(supporters.begin(), supporters.end(), id)) continue;
+    if (!whyUnusable(tracker, local).empty() || waiting_.count({tracker, id}) > 0) continue;
     free.push_back({LocalKey{tracker, id}, 0, local.track.state, local.time});
   }
   return free;

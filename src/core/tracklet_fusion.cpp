@@ -19,8 +19,11 @@ void TrackletFusion::feed(const Supporter& supporter, const TrackletMemory& memo
   const auto* remembered = memory.find(supporter.key);
   if (remembered == nullptr) return;
   std::uint64_t& fed = fed_[supporter.key];
-  for (const TrackletMemory::Remembered& it : *remembered) {
-    if (it.number <= fed) continue;
+  const auto first_new = std::upper_bound(
+      remembered->begin(), remembered->end(), fed,
+      [](std::uint64_t number, const TrackletMemory::Remembered& it) { return number < it.number; });
+  for (auto next = first_new; next != remembered->end(); ++next) {
+    const TrackletMemory::Remembered& it = *next;
     if (it.tracklet.time > supporter.reported) return;
     fed = it.number;
     if (speaksFor(supporter.key, it.tracklet) && !track_.add(supporter.key, it.number, it.tracklet)) ++late_;
@@ -76,6 +79,7 @@ std::vector<WatchedSensor> TrackletFusion::sensorsOf(const LocalKey& supporter) 
 }
 
 std::string TrackletFusion::whyExcluded(const LocalKey& supporter) const {
+  if (!track_.holdsAnything()) return {};
   const std::vector<WatchedSensor> sensors = sensorsOf(supporter);
   const auto is_off = [](const WatchedSensor& watched) {
     return std::isinf(watched.noise_scale) && watched.last && watched.last->bias.matrix().norm() <= kMostBias;
@@ -91,6 +95,7 @@ std::string TrackletFusion::whyExcluded(const LocalKey& supporter) const {
 }
 
 double TrackletFusion::noiseScale(const LocalKey& supporter) const {
+  if (!track_.holdsAnything()) return 1.0;
   double largest = 1.0;
   for (const WatchedSensor& watched : sensorsOf(supporter)) {
     if (std::isfinite(watched.noise_scale)) largest = std::max(largest, watched.noise_scale);

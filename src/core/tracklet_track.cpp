@@ -112,11 +112,16 @@ void TrackletTrack::forgetOld() {
 }
 
 std::map<LocalKey, double> TrackletTrack::informationBySource() const {
-  std::map<LocalKey, double> information;
+  std::vector<std::pair<const LocalKey*, double>> sums;  // of few sources; a map would be slower
   for (std::size_t i = open_; i < entries_.size(); ++i) {
     const double noise_scale = i < taken_ ? estimator_.noiseScale(taken_ - i) : 1.0;
-    information[entries_[i].source] += 1.0 / (noise_scale * entries_[i].tracklet.sighting.covariance.trace());
+    const auto isIt = [&](const auto& sum) { return *sum.first == entries_[i].source; };
+    auto sum = std::find_if(sums.begin(), sums.end(), isIt);
+    if (sum == sums.end()) sum = sums.insert(sum, {&entries_[i].source, 0.0});
+    sum->second += 1.0 / (noise_scale * entries_[i].tracklet.sighting.covariance.trace());
   }
+  std::map<LocalKey, double> information;
+  for (const auto& [source, sum] : sums) information[*source] = sum;
   return information;
 }
 

@@ -32,6 +32,11 @@ struct FusedEstimate {
 template <int N>
 std::optional<FusedEstimate<N>> weightedCovariance(const std::vector<Estimate<N>>& sources);
 
+/// For each source the same of all others, where that is determined; nothing for a single source. In the time
+/// that a few fusions take.
+template <int N>
+std::vector<std::optional<Estimate<N>>> weightedCovarianceOfOthers(const std::vector<Estimate<N>>& sources);
+
 /// Bar-Shalom and Campo's rule for two sources with cross-covariance P_ab = cov(error_a, error_b). P <= P_a
 /// and P <= P_b. nullopt also when P_a + P_b - P_ab - P_ab^T is not positive definite.
 template <int N>

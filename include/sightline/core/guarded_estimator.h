@@ -53,6 +53,9 @@ class GuardedEstimator {
   /// The sensors seen lately that were held against others.
   std::vector<WatchedSensor> sensors() const;
 
+  /// Whether anything is held against any sensor: a noise scale other than 1.
+  bool holdsAnything() const { return guard_.holdsAnything(); }
+
   /// Whether enough sensors are in use to tell which of them is to blame.
   bool decides() const;
 

@@ -67,6 +67,9 @@ class SensorGuard {
   /// not to be used.
   double noiseScale(const std::string& sensor) const;
 
+  /// Whether the factor is other than 1 for any sensor.
+  bool holdsAnything() const;
+
   bool isExcluded(const std::string& sensor) const { return std::isinf(noiseScale(sensor)); }
 
   /// Mean square by which the sensor's stamps are off [s^2]; zero while its clock is not known to be wrong,

@@ -116,6 +116,7 @@ class TrackFusion {
   void associate(const std::string& tracker, bool merge);
   Eigen::MatrixXd costs(const std::vector<Row>& rows, const std::vector<std::size_t>& columns,
                         double& cost_alone) const;
+  bool areNear(const GlobalTrack& a, const GlobalTrack& b) const;
   bool isFarAway(const Row& row, const Eigen::Vector2d& place, const Estimate<4>& opinion) const;
   void unite(const std::vector<std::pair<std::size_t, std::size_t>>& pairs);
   void erase(const std::vector<std::uint32_t>& ids);
@@ -134,7 +135,7 @@ class TrackFusion {
   FusionReport refused(const LocalReport& report, const std::string& why) const;
 
   std::string whyUnusable(const std::string& tracker, const LocalTrack& local) const;
-  bool isSupporter(const LocalKey& key) const;
+  std::vector<std::uint32_t> supportersOf(const std::string& tracker) const;
   std::vector<Row> freeTracksOf(const std::string& tracker) const;
 
   TrackFusionParams params_;

@@ -50,6 +50,9 @@ class TrackletTrack {
   /// The sensors seen lately and what is thought of them.
   std::vector<WatchedSensor> sensors() const { return estimator_.sensors(); }
 
+  /// Whether anything is held against any sensor.
+  bool holdsAnything() const { return estimator_.holdsAnything(); }
+
   /// Whether enough sensors are in use to tell which of them is to blame for a disagreement.
   bool canTellWhoIsWrong() const { return estimator_.decides(); }
 
