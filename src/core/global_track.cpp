@@ -136,7 +136,7 @@ std::vector<std::size_t> GlobalTrack::usable() const {
   return numbers;
 }
 
-void GlobalTrack::compareSupporters(double registration_sigma) {
+void GlobalTrack::compareSupporters(const Registration& registration) {
   const std::vector<std::size_t> numbers = usable();
   std::vector<Estimate<4>> estimates;
   for (const std::size_t number : numbers) estimates.push_back(estimateOf(supporters_[number].state));
@@ -145,16 +145,17 @@ void GlobalTrack::compareSupporters(double registration_sigma) {
     double& distance_squared = supporters_[numbers[i]].distance_squared;
     distance_squared = std::numeric_limits<double>::quiet_NaN();
     if (numbers.size() < 2) return;
-    distance_squared = others[i] ? distanceSquared(estimates[i], *others[i], registration_sigma)
+    distance_squared = others[i] ? distanceSquared(estimates[i], *others[i],
+                                                   registration.sigma(supporters_[numbers[i]].key.tracker))
                                  : std::numeric_limits<double>::infinity();
   }
 }
 
-std::vector<std::size_t> GlobalTrack::leaveOutContradictions(double registration_sigma, double threshold,
-                                                             const std::string& reporting) {
+std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const Registration& registration,
+                                                             double threshold, const std::string& reporting) {
   std::vector<std::size_t> contradicting;
   for (;;) {
-    compareSupporters(registration_sigma);
+    compareSupporters(registration);
     std::size_t worst = supporters_.size();
     double farthest = threshold;
     for (const std::size_t number : usable()) {

@@ -43,8 +43,7 @@ const Supporter* supporterOf(const GlobalTrack& track, const std::string& tracke
   return nullptr;
 }
 
-std::vector<Row> rowsOf(const std::string& tracker,
-                        const std::vector<std::pair<LocalKey, const LocalTrack*>>& free,
+std::vector<Row> rowsOf(const std::string& tracker, const std::vector<std::pair<LocalKey, LocalTrack>>& free,
                         const std::vector<const GlobalTrack*>& tracks, const PlacementParams& params) {
   std::vector<Row> rows;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
@@ -58,8 +57,7 @@ std::vector<Row> rowsOf(const std::string& tracker,
     rows.push_back(std::move(row));
   }
   for (const auto& [key, local] : free)
-    rows.push_back(
-        rowOf(key, local->track, local->time, tracks.empty() ? local->time : tracks.front()->time()));
+    rows.push_back(rowOf(key, local.track, local.time, tracks.empty() ? local.time : tracks.front()->time()));
   return rows;
 }
 
@@ -123,7 +121,7 @@ double costOf(const Row& row, std::size_t place, const Mismatch& mismatch, doubl
 }  // namespace
 
 std::vector<Placement> placementsOf(const std::string& tracker,
-                                    const std::vector<std::pair<LocalKey, const LocalTrack*>>& free,
+                                    const std::vector<std::pair<LocalKey, LocalTrack>>& free,
                                     const std::vector<const GlobalTrack*>& tracks,
                                     const PlacementParams& params) {
   const std::vector<Row> rows = rowsOf(tracker, free, tracks, params);

@@ -18,9 +18,10 @@ namespace sightline::core {
 namespace {
 
 constexpr double kForbidden = std::numeric_limits<double>::infinity();
-constexpr double kReachSlack = 2.0;  // of the gate, before distances are computed exactly
-constexpr double kMergeSlack = 8.0;  // the same for global tracks, whose states are not their opinions
-constexpr double kShortAge = 0.2;    // for which that is enough [s]
+constexpr double kReachSlack = 2.0;        // of the gate, before distances are computed exactly
+constexpr double kMergeSlack = 8.0;        // the same for global tracks, whose states are not their opinions
+constexpr std::size_t kMostCompared = 30;  // tracks of a report that tell of their tracker's misalignment
+constexpr double kShortAge = 0.2;          // for which that is enough [s]
 
 AngularState stateOf(const Estimate<4>& estimate) {
   return {estimate.mean, estimate.covariance};
@@ -80,6 +81,7 @@ TrackFusion::TrackFusion(const TrackFusionParams& params)
     : params_(params),
       join_threshold_(chiSquareQuantile4(params.gate_probability)),
       reports_(params.reports),
+      registration_(params.registration_sigma),
       tracklets_(memoryParams(params)) {
   check(params);
 }
@@ -110,6 +112,7 @@ void TrackFusion::reset() {
   tracklets_ = TrackletMemory(memoryParams(params_));
   entries_.clear();
   waiting_.clear();
+  registration_ = Registration(params_.registration_sigma);
   time_ = {};
   latest_ = {};
 }
@@ -140,6 +143,26 @@ void TrackFusion::follow(const std::string& reporting) {
     }
     leaveOutBiased(entry);
   }
+  learnRegistration(reporting);
+}
+
+/// How far the reporting tracker's tracks are from what the other trackers say.
+void TrackFusion::learnRegistration(const std::string& reporting) {
+  std::vector<Disagreement> disagreements;
+  for (const Entry& entry : entries_) {
+    if (disagreements.size() >= kMostCompared) break;
+    const std::size_t number = entry.track.numberOf(reporting);
+    if (number >= entry.track.supporters().size()) continue;
+    const Supporter& supporter = entry.track.supporters()[number];
+    const bool contradicts = supporter.contradicts_since.has_value();
+    if (!supporter.unusable.empty() && !contradicts) continue;
+    const std::optional<Estimate<4>> others = entry.track.opinionWithout(reporting);
+    if (!others) continue;
+    const Eigen::Vector2d apart = angleDifference(supporter.state.angles(), others->mean.head<2>());
+    const Eigen::Matrix2d S = supporter.state.anglesCovariance() + others->covariance.topLeftCorner<2, 2>();
+    disagreements.push_back({apart.squaredNorm(), 0.5 * S.trace()});
+  }
+  registration_.take(reporting, std::move(disagreements));
 }
 
 /// Supporters that contradict the others do not count, and go when they have done so for long.
@@ -147,7 +170,7 @@ void TrackFusion::separate(const std::string& reporting) {
   const double threshold = params_.leave_factor * join_threshold_;
   for (Entry& entry : entries_) {
     const std::vector<std::size_t> contradicting =
-        entry.track.leaveOutContradictions(params_.registration_sigma, threshold, reporting);
+        entry.track.leaveOutContradictions(registration_, threshold, reporting);
     for (auto number = contradicting.rbegin(); number != contradicting.rend(); ++number) {
       const Time since = *entry.track.supporters()[*number].contradicts_since;
       if (seconds(time_ - since) >= params_.leave_after) leave(entry, *number);
@@ -198,12 +221,12 @@ void TrackFusion::rearrange(const std::string& tracker) {
 
 /// By group; each remembers since when it is. One that has no better place stays as long as nobody wants its.
 std::vector<Placement> TrackFusion::misplacedOf(const std::string& tracker) {
-  std::vector<std::pair<LocalKey, const LocalTrack*>> free;
-  for (const Row& row : freeTracksOf(tracker)) free.emplace_back(*row.key, reports_.find(*row.key));
+  std::vector<std::pair<LocalKey, LocalTrack>> free;
+  for (const Row& row : freeTracksOf(tracker)) free.emplace_back(*row.key, *reports_.find(*row.key));
   std::vector<const GlobalTrack*> tracks;
   for (const Entry& entry : entries_) tracks.push_back(&entry.track);
   std::vector<Placement> placements =
-      placementsOf(tracker, free, tracks, {join_threshold_, params_.registration_sigma});
+      placementsOf(tracker, free, tracks, {join_threshold_, registration_.sigma(tracker)});
 
   const auto isWanted = [&placements](std::size_t place) {
     return std::any_of(placements.begin(), placements.end(),
@@ -239,7 +262,7 @@ void TrackFusion::move(const std::vector<Placement>& movers) {
     Entry& entry = entries_[*movers[k].best];
     if (since[k]) entry.tracklets.passOver(movers[k].key, *since[k], tracklets_);
     entry.track.join(movers[k].key, *reports_.find(movers[k].key));
-    entry.track.compareSupporters(params_.registration_sigma);
+    entry.track.compareSupporters(registration_);
   }
 }
 
@@ -276,7 +299,7 @@ void TrackFusion::associate(const std::string& tracker, bool merge) {
     const std::size_t entry = columns[static_cast<std::size_t>(found[row])];
     if (key) {
       entries_[entry].track.join(*key, *reports_.find(*key));
-      entries_[entry].track.compareSupporters(params_.registration_sigma);
+      entries_[entry].track.compareSupporters(registration_);
     } else {
       same.emplace_back(rows[row].entry, entry);
     }
@@ -304,7 +327,7 @@ Eigen::MatrixXd TrackFusion::costs(const std::vector<Row>& rows, const std::vect
       if (!row.key && entries_[row.entry].track.hasAnyTrackerOf(track)) continue;
       const AngularState aligned = track.aligned(row.state_tracking, row.time);
       const double distance_squared =
-          distanceSquared({aligned.mean, aligned.covariance}, opinion, params_.registration_sigma);
+          distanceSquared({aligned.mean, aligned.covariance}, opinion, sigmaOf(row));
       if (!(distance_squared <= join_threshold_)) continue;
       const double log_determinant = unsureness({opinion.mean, aligned.covariance + opinion.covariance});
       costs(static_cast<Eigen::Index>(i), column) = distance_squared + log_determinant;
@@ -315,10 +338,14 @@ Eigen::MatrixXd TrackFusion::costs(const std::vector<Row>& rows, const std::vect
   return costs;
 }
 
+double TrackFusion::sigmaOf(const Row& row) const {
+  return row.key ? registration_.sigma(row.key->tracker) : registration_.largestSigma();
+}
+
 /// Whether two global tracks may be one, before that is computed exactly.
 bool TrackFusion::areNear(const GlobalTrack& a, const GlobalTrack& b) const {
   const double variance = a.state().anglesCovariance().trace() + b.state().anglesCovariance().trace() +
-                          2.0 * params_.registration_sigma * params_.registration_sigma;
+                          2.0 * registration_.largestSigma() * registration_.largestSigma();
   const Eigen::Vector3d apart =
       a.chart().directionAt(a.state().angles()) - b.chart().directionAt(b.state().angles());
   return apart.squaredNorm() <= kMergeSlack * join_threshold_ * variance;
@@ -332,7 +359,7 @@ bool TrackFusion::isFarAway(const Row& row, const Eigen::Vector2d& place, const 
   const Eigen::Vector2d apart = angleDifference(place, opinion.mean.head<2>());
   const double variance = row.state_tracking.covariance.trace() +  // of rates too: they grow in < 1 s
                           opinion.covariance.topLeftCorner<2, 2>().trace() +
-                          2.0 * params_.registration_sigma * params_.registration_sigma;
+                          2.0 * sigmaOf(row) * sigmaOf(row);
   const double reach =
       std::sqrt(kReachSlack * join_threshold_ * variance) + age * row.state_tracking.mean.tail<2>().norm();
   return apart.squaredNorm() > reach * reach;
@@ -344,7 +371,7 @@ void TrackFusion::unite(const std::vector<std::pair<std::size_t, std::size_t>>& 
   for (const auto& [one, other] : pairs) {  // entries stand in ascending order of id
     const std::size_t older = std::min(one, other), younger = std::max(one, other);
     entries_[older].track.absorb(entries_[younger].track);
-    entries_[older].track.compareSupporters(params_.registration_sigma);
+    entries_[older].track.compareSupporters(registration_);
     gone.push_back(entries_[younger].track.id());
   }
   erase(gone);
@@ -593,7 +620,8 @@ std::vector<TrackFusion::Row> TrackFusion::freeTracksOf(const std::string& track
   for (const auto& [id, local] : reports_.trackers().at(tracker).tracks) {
     if (std::binary_search(supporters.begin(), supporters.end(), id)) continue;
     if (!whyUnusable(tracker, local).empty() || waiting_.count({tracker, id}) > 0) continue;
-    free.push_back({LocalKey{tracker, id}, 0, local.track.state, local.time});
+    const LocalKey key{tracker, id};
+    free.push_back({key, 0, local.track.state, local.time});
   }
   return free;
 }

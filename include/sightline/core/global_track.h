@@ -13,6 +13,7 @@
 #include "sightline/core/cross_covariance.h"
 #include "sightline/core/fusion_rules.h"
 #include "sightline/core/local_reports.h"
+#include "sightline/core/registration.h"
 #include "sightline/core/time.h"
 #include "sightline/core/track.h"
 
@@ -70,15 +71,15 @@ class GlobalTrack {
   /// Takes over all supporters of another track at the same time; no tracker may be in both.
   void absorb(const GlobalTrack& other);
 
-  /// Computes every usable supporter's distance from the others taken together. `registration_sigma`: error
-  /// in the alignment between trackers to allow for [rad].
-  void compareSupporters(double registration_sigma);
+  /// Computes every usable supporter's distance from the others taken together. `registration`: errors
+  /// in the alignment between trackers to allow for.
+  void compareSupporters(const Registration& registration);
 
   /// The same; and those farther from the others than `threshold` [1] do not count, the worst first (of two,
   /// the one that came later), until the rest agree. Returns their numbers, ascending. Since when a supporter
   /// contradicts is remembered until it agrees in a report of its own (`reporting` is the tracker that sent
   /// one now), as a prediction agrees the easier the older it is.
-  std::vector<std::size_t> leaveOutContradictions(double registration_sigma, double threshold,
+  std::vector<std::size_t> leaveOutContradictions(const Registration& registration, double threshold,
                                                   const std::string& reporting);
 
   /// What all usable supporters say together (as if independent), or without any the predicted last estimate;

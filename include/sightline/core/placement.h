@@ -39,7 +39,7 @@ struct PlacementParams {
 ///
 /// `free`: usable tracks of the tracker that support nothing. `tracks`: the global tracks, at one time.
 std::vector<Placement> placementsOf(const std::string& tracker,
-                                    const std::vector<std::pair<LocalKey, const LocalTrack*>>& free,
+                                    const std::vector<std::pair<LocalKey, LocalTrack>>& free,
                                     const std::vector<const GlobalTrack*>& tracks,
                                     const PlacementParams& params);
 

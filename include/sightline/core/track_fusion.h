@@ -16,6 +16,7 @@
 #include "sightline/core/global_track.h"
 #include "sightline/core/local_reports.h"
 #include "sightline/core/placement.h"
+#include "sightline/core/registration.h"
 #include "sightline/core/time.h"
 #include "sightline/core/tracklet_fusion.h"
 #include "sightline/core/tracklet_memory.h"
@@ -32,7 +33,8 @@ struct TrackFusionParams {
   double gate_probability = 0.999;
   double leave_factor = 2.0;        ///< a supporter contradicts at this many times the gate's threshold, >= 1
   double leave_after = 0.5;         ///< a supporter that contradicts for so long goes [s], >= 0
-  double registration_sigma = 0.0;  ///< misalignment between trackers to allow for in the gate [rad], >= 0
+  double registration_sigma = 0.0;  ///< misalignment between trackers to allow for in the gate [rad], >= 0;
+                                    ///< what many targets show of it is allowed for beyond
 
   /// Density of white angular acceleration for predictions to the common time and for cross_covariance
   /// [rad^2/s^3], >= 0; 0 = what each local track's covariance implies.
@@ -109,6 +111,7 @@ class TrackFusion {
   };
 
   void follow(const std::string& reporting);
+  void learnRegistration(const std::string& reporting);
   void separate(const std::string& reporting);
   void rearrange(const std::string& tracker);
   std::vector<Placement> misplacedOf(const std::string& tracker);
@@ -116,6 +119,7 @@ class TrackFusion {
   void associate(const std::string& tracker, bool merge);
   Eigen::MatrixXd costs(const std::vector<Row>& rows, const std::vector<std::size_t>& columns,
                         double& cost_alone) const;
+  double sigmaOf(const Row& row) const;
   bool areNear(const GlobalTrack& a, const GlobalTrack& b) const;
   bool isFarAway(const Row& row, const Eigen::Vector2d& place, const Estimate<4>& opinion) const;
   void unite(const std::vector<std::pair<std::size_t, std::size_t>>& pairs);
@@ -141,6 +145,7 @@ class TrackFusion {
   TrackFusionParams params_;
   double join_threshold_;  // of distances squared
   LocalReports reports_;
+  Registration registration_;
   TrackletMemory tracklets_;
   std::size_t late_tracklets_ = 0;
   Time time_{};
