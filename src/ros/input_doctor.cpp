@@ -68,8 +68,8 @@ void InputDoctor::listen() {
                                                                    ros::TransportHints().tcpNoDelay());
     } else if (topic.type == "sightline/AssociationArray") {
       const boost::function<void(const sightline::AssociationArray::ConstPtr&)> take =
-          [this](const auto& associations) {
-            if (is_listening_) examination_.take(*associations);
+          [this, name](const auto& associations) {
+            if (is_listening_) examination_.take(*associations, name);
           };
       subscribers_[name] = nh_.subscribe<sightline::AssociationArray>(name, kQueue, take);
     }

@@ -11,6 +11,8 @@
 
 #include <tf2/exceptions.h>
 
+#include "sightline/core/scatter.h"
+#include "sightline/core/sighting.h"
 #include "sightline/core/sphere.h"
 #include "sightline/ros/conversions.h"
 #include "sightline/ros/plain_words.h"
@@ -25,9 +27,11 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kMostShots = 400;      // of a sensor
 constexpr std::size_t kMostSightings = 100;  // of a shot
 constexpr std::size_t kMostSources = 1000;
-constexpr double kLeastReach = 0.2;     // angle within which sensors see the same [rad] ...
-constexpr double kReachSigmas = 4.0;    // ... and so many stated sigmas
-constexpr double kAgreement = 0.02;     // angle within which another reading explains it [rad]
+constexpr double kLeastReach = 0.2;   // angle within which sensors see the same [rad] ...
+constexpr double kReachSigmas = 4.0;  // ... and so many stated sigmas
+constexpr double kAgreement = 0.02;   // angle within which another reading explains it [rad]
+constexpr double kTooSmall = 2.0;     // scatter over the stated sigma
+constexpr double kTooLarge = 1.0 / 3.0;
 constexpr double kFewTransforms = 0.9;  // share of the scans that must have theirs
 
 std::optional<Eigen::Matrix3d> rotationTo(const std::string& tracking_frame, const std_msgs::Header& header,
@@ -86,8 +90,13 @@ void InputExamination::keepShot(const sightline::SightingArray& scan, Source& so
   if (source.record.scans() % source.every != 0) return;
   Shot shot{scan.header, {}};
   for (const sightline::Sighting& sighting : scan.sightings) {
-    const Eigen::Vector2d angles(sighting.azimuth, sighting.elevation);
-    if (angles.allFinite() && shot.angles.size() < kMostSightings) shot.angles.push_back(angles);
+    if (shot.sightings.size() == kMostSightings) break;
+    Seen seen;
+    seen.angles = {sighting.azimuth, sighting.elevation};
+    seen.covariance =
+        Eigen::Map<const Eigen::Matrix<double, 2, 2, Eigen::RowMajor>>(sighting.covariance.data());
+    seen.is_usable = !core::rejectionOf(seen.angles, seen.covariance);
+    shot.sightings.push_back(seen);
   }
   source.shots.push_back(std::move(shot));
   if (source.shots.size() < kMostShots) return;
@@ -96,12 +105,17 @@ void InputExamination::keepShot(const sightline::SightingArray& scan, Source& so
   source.every *= 2;
 }
 
-void InputExamination::take(const sightline::AssociationArray& associations) {
+void InputExamination::take(const sightline::AssociationArray& associations, const std::string& tracker) {
   for (auto& [key, source] : sources_) {
     if (key.first != associations.sensor) continue;
+    const auto shot = std::find_if(source.shots.rbegin(), source.shots.rend(), [&](const Shot& other) {
+      return other.header.stamp == associations.header.stamp;
+    });
     for (const sightline::Association& association : associations.associations) {
-      if (association.decision == sightline::Association::ACCEPTED)
-        source.record.takeInnovation(association.distance_squared);
+      if (association.decision != sightline::Association::ACCEPTED) continue;
+      source.record.takeInnovation(association.distance_squared);
+      if (shot == source.shots.rend() || association.sighting >= shot->sightings.size()) continue;
+      shot->sightings[association.sighting].track = tracker + " " + std::to_string(association.track);
     }
   }
 }
@@ -122,6 +136,7 @@ std::vector<Finding> InputExamination::findings(const tf2::BufferCore& transform
   }
   findSharedNames(found);
   findTransforms(transforms, tracking_frame, found);
+  findScatter(transforms, tracking_frame, found);
   findStrangers(transforms, tracking_frame, found);
   return found;
 }
@@ -177,6 +192,44 @@ void InputExamination::findTransforms(const tf2::BufferCore& transforms, const s
   }
 }
 
+/// Sensors whose sightings scatter otherwise than their covariance says.
+void InputExamination::findScatter(const tf2::BufferCore& transforms, const std::string& tracking_frame,
+                                   std::vector<Finding>& found) const {
+  for (const auto& [key, source] : sources_) {
+    const auto ratio = scatterOf(source, transforms, tracking_frame);
+    const auto stated = source.record.statedSigma();
+    if (!ratio || !stated || (*ratio<kTooSmall&& * ratio> kTooLarge)) continue;
+    const bool is_too_small = *ratio >= kTooSmall;
+    found.push_back({subjectOf(key),
+                     std::string("its covariance is too ") + (is_too_small ? "small" : "large") +
+                         ": it states a sigma of " + valueOf(*stated, "rad") +
+                         ", and its sightings scatter by " + valueOf(*ratio * *stated, "rad") +
+                         "; state that (variances are in rad^2)" +
+                         (is_too_small ? "" : ", unless its errors vary slowly or sightings are smoothed")});
+  }
+}
+
+/// In the tracking frame, where the platform's motion is no scatter, and along each target: the only sighting
+/// of each scan, or those that one track took.
+std::optional<double> InputExamination::scatterOf(const Source& source, const tf2::BufferCore& transforms,
+                                                  const std::string& tracking_frame) {
+  core::Scatter scatter;
+  std::map<std::string, core::Scatter::Chain> chains;
+  for (const Shot& shot : source.shots) {
+    const auto R_tracking_sensor = rotationTo(tracking_frame, shot.header, transforms);
+    if (!R_tracking_sensor) continue;
+    const bool is_alone = shot.sightings.size() == 1;
+    for (const Seen& seen : shot.sightings) {
+      if (!seen.is_usable || (!is_alone && seen.track.empty())) continue;
+      const core::Sighting turned =
+          core::rotate(core::sightingOf(seen.angles, seen.covariance), *R_tracking_sensor);
+      scatter.add(chains[is_alone ? "" : seen.track], toCore(shot.header.stamp),
+                  core::anglesOf(turned.direction), core::anglesCovariance(turned));
+    }
+  }
+  return scatter.ratio();
+}
+
 std::vector<core::Glimpse> InputExamination::glimpsesOf(const Source& source,
                                                         const tf2::BufferCore& transforms,
                                                         const std::string& tracking_frame, Reading reading) {
@@ -184,9 +237,11 @@ std::vector<core::Glimpse> InputExamination::glimpsesOf(const Source& source,
   for (const Shot& shot : source.shots) {
     const auto R_tracking_sensor = rotationTo(tracking_frame, shot.header, transforms);
     if (!R_tracking_sensor) continue;
-    for (const Eigen::Vector2d& angles : shot.angles)
+    for (const Seen& seen : shot.sightings) {
+      if (!seen.is_usable) continue;
       glimpses.push_back(
-          {toCore(shot.header.stamp), *R_tracking_sensor * core::directionOf(reading(angles))});
+          {toCore(shot.header.stamp), *R_tracking_sensor * core::directionOf(reading(seen.angles))});
+    }
   }
   std::sort(glimpses.begin(), glimpses.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
   return glimpses;

@@ -15,15 +15,13 @@ namespace core = sightline::core;
 
 namespace {
 
-constexpr std::size_t kMostFrames = 8;    // that are remembered
-constexpr std::size_t kLeastScans = 10;   // below, nothing is said of rates and delays
-constexpr double kOtherTime = 600.0;      // behind the clock: the stamps are of another time [s]
-constexpr double kBackStep = 0.25;        // that is no mere change of order [s]
-constexpr double kShare = 0.05;           // of the scans that may be odd
-constexpr double kGap = 0.5;              // silence that deserves a word [s] ...
-constexpr double kUsualIntervals = 10.0;  // ... when it is so many usual intervals
-constexpr double kTooSmall = 2.0;         // scatter over the stated sigma
-constexpr double kTooLarge = 1.0 / 3.0;
+constexpr std::size_t kMostFrames = 8;              // that are remembered
+constexpr std::size_t kLeastScans = 10;             // below, nothing is said of rates and delays
+constexpr double kOtherTime = 600.0;                // behind the clock: the stamps are of another time [s]
+constexpr double kBackStep = 0.25;                  // that is no mere change of order [s]
+constexpr double kShare = 0.05;                     // of the scans that may be odd
+constexpr double kGap = 0.5;                        // silence that deserves a word [s] ...
+constexpr double kUsualIntervals = 10.0;            // ... when it is so many usual intervals
 constexpr double kMedianOfTwo = 1.386294361119891;  // of chi squared with two degrees of freedom
 constexpr double kOffInnovations = 3.0;             // median over that
 constexpr std::size_t kLeastInnovations = 30;
@@ -57,7 +55,6 @@ void SensorRecord::takeStamp(core::Time stamp, core::Time arrival) {
   newest_stamp_ = std::max(newest_stamp_, stamp);
 }
 
-/// Their covariance can be checked where there is one sighting a scan: it is one target's.
 void SensorRecord::takeSightings(const sightline::SightingArray& scan) {
   for (std::size_t i = 0; i < scan.sightings.size(); ++i) {
     const sightline::Sighting& sighting = scan.sightings[i];
@@ -69,9 +66,7 @@ void SensorRecord::takeSightings(const sightline::SightingArray& scan) {
       continue;
     }
     sigmas_.add(std::sqrt(covariance.trace() / 2.0));
-    if (scan.sightings.size() == 1) scatter_.add(toCore(scan.header.stamp), angles, covariance);
   }
-  if (scan.sightings.size() > 1) scatter_.breakOff();
 }
 
 std::vector<Finding> SensorRecord::findings(const std::string& subject, const InputLimits& limits) const {
@@ -90,7 +85,6 @@ std::vector<Finding> SensorRecord::findings(const std::string& subject, const In
   say(stampWords(limits));
   say(duplicateWords());
   say(gapWords());
-  say(covarianceWords());
   say(innovationWords());
   return found;
 }
@@ -160,17 +154,6 @@ std::optional<std::string> SensorRecord::emptyWords() const {
   if (scans_ < kLeastScans || empty_ < scans_) return std::nullopt;
   return "saw nothing in " + std::to_string(scans_) +
          " scans: is the cap on, the threshold too high, or does it look elsewhere?";
-}
-
-std::optional<std::string> SensorRecord::covarianceWords() const {
-  const auto ratio = scatter_.ratio();
-  if (!ratio || (*ratio<kTooSmall&& * ratio> kTooLarge)) return std::nullopt;
-  const double stated = *statedSigma();
-  const bool is_too_small = *ratio >= kTooSmall;
-  return std::string("its covariance is too ") + (is_too_small ? "small" : "large") +
-         ": it states a sigma of " + valueOf(stated, "rad") + ", and its sightings scatter by " +
-         valueOf(*ratio * stated, "rad") + "; state that (variances are in rad^2)" +
-         (is_too_small ? "" : ", unless its errors vary slowly or sightings are smoothed");
 }
 
 std::optional<std::string> SensorRecord::innovationWords() const {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -24,13 +25,15 @@ Scatter scatterOf(const Noise& noise, int count = 400, double azimuth = 0.0) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
   Scatter scatter;
+  Scatter::Chain chain;
   double t = 0.0;
   for (int k = 0; k < count; ++k) {
     t += noise.period * (0.5 + uniform(random));
     Eigen::Vector2d angles(azimuth + std::sin(t), 0.8 * std::cos(t));
     angles += noise.sigma * Eigen::Vector2d(normal(random), normal(random));
     if (uniform(random) < noise.wild_share) angles.x() += uniform(random);
-    scatter.add(Time(durationOf(t)), angles, noise.stated * noise.stated * Eigen::Matrix2d::Identity());
+    scatter.add(chain, Time(durationOf(t)), angles,
+                noise.stated * noise.stated * Eigen::Matrix2d::Identity());
   }
   return scatter;
 }
@@ -57,13 +60,15 @@ TEST(Scatter, IsNotDeterminedByFewOrSlowSightings) {
   EXPECT_FALSE(scatterOf({1e-3, 1e-3, 1.0}).ratio()) << "one a second: the target's motion would count";
 }
 
-TEST(Scatter, SightingsOnBothSidesOfABreakAreNotCompared) {
+TEST(Scatter, SightingsOfDifferentTargetsAreNotCompared) {
   Scatter scatter;
-  for (int k = 0; k < 300; ++k) {
-    if (k % 3 == 0) scatter.breakOff();
-    scatter.add(Time(durationOf(0.03 * k)), {0.0, 0.0}, 1e-6 * Eigen::Matrix2d::Identity());
-  }
-  EXPECT_EQ(scatter.samples(), 0u);
+  const Eigen::Matrix2d covariance = 1e-6 * Eigen::Matrix2d::Identity();
+  std::vector<Scatter::Chain> chains(100);
+  for (int k = 0; k < 300; ++k)
+    scatter.add(chains[static_cast<std::size_t>(k / 3)], Time(durationOf(0.03 * k)), {0.0, 0.0}, covariance);
+  EXPECT_EQ(scatter.samples(), 0u) << "three of each";
+  for (int k = 300; k < 400; ++k) scatter.add(chains[0], Time(durationOf(0.03 * k)), {0.0, 0.0}, covariance);
+  EXPECT_EQ(scatter.samples(), 97u);
 }
 
 }  // namespace

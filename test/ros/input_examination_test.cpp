@@ -172,6 +172,49 @@ TEST_F(Examination, CovarianceTooSmallAndTooLarge) {
       {"covariance is too large"}));
 }
 
+TEST_F(Examination, CovarianceTooSmallAmongSeveralTargetsIsFoundAlongTheTracks) {
+  look("a");
+  SeenTarget target(7);
+  sightline::AssociationArray associations;
+  associations.sensor = "bad";
+  associations.associations.resize(1);
+  associations.associations[0].decision = sightline::Association::ACCEPTED;
+  associations.associations[0].distance_squared = 1.4;  // the tracker has learnt the noise
+  associations.associations[0].track = 3;
+  for (int k = 0; k < kScans; ++k) {
+    const double time = kStart + kPeriod * k;
+    SightingArray scan = scanOf("bad", time, {{-1.0 + 0.4 * (k % 5), 0.5}, target.at(time)}, 2e-4);
+    examination_.take(scan, topicOf("bad"), "/driver", core::Time(core::durationOf(time + kLatency)));
+    associations.header.stamp = scan.header.stamp;
+    associations.associations[0].sighting = 1;
+    examination_.take(associations, "/tracks");
+  }
+  ASSERT_EQ(findings().size(), 1u) << said();
+  EXPECT_NE(said().find("covariance is too small: it states a sigma of 0.0002 rad"), std::string::npos)
+      << said();
+}
+
+TEST_F(Examination, APlatformThatSwingsIsNoScatter) {
+  // 0.5 rad at 7 rad/s, 200 deg/s: far more than the sensor's noise from scan to scan.
+  const auto yawAt = [](double time) { return 0.5 * std::sin(7.0 * time); };
+  for (int k = -10; k < 2100; ++k) {
+    geometry_msgs::TransformStamped transform;
+    const double time = kStart + 0.005 * k;
+    transform.header.stamp = ros::Time(time);
+    transform.header.frame_id = "platform_enu";
+    transform.child_frame_id = "swinging";
+    transform.transform.rotation.z = std::sin(yawAt(time) / 2.0);
+    transform.transform.rotation.w = std::cos(yawAt(time) / 2.0);
+    transforms_.setTransform(transform, "test");
+  }
+  look("a");
+  look("b", [&](int, SightingArray& scan, double&) {
+    scan.header.frame_id = "swinging";
+    scan.sightings[0].azimuth -= yawAt(scan.header.stamp.toSec());
+  });
+  EXPECT_EQ(said(), "");
+}
+
 TEST_F(Examination, CovarianceZeroOrNotPositiveDefinite) {
   EXPECT_TRUE(saysOfTheThird(
       [](int, SightingArray& scan, double&) {
@@ -187,10 +230,10 @@ TEST_F(Examination, InnovationsLargerThanATrackerExpects) {
   associations.associations.resize(1);
   associations.associations[0].decision = sightline::Association::ACCEPTED;
   associations.associations[0].distance_squared = 1.4;
-  for (int k = 0; k < 100; ++k) examination_.take(associations);
+  for (int k = 0; k < 100; ++k) examination_.take(associations, "/tracks");
   EXPECT_EQ(said(), "");
   associations.associations[0].distance_squared = 12.0;
-  for (int k = 0; k < 300; ++k) examination_.take(associations);
+  for (int k = 0; k < 300; ++k) examination_.take(associations, "/tracks");
   EXPECT_NE(said().find("its innovations are 2.94 times what the tracker expects"), std::string::npos)
       << said();
 }

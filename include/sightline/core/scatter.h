@@ -19,14 +19,24 @@ namespace sightline::core {
 /// is zero for any constant acceleration, so that over a short time only the noise is left.
 class Scatter {
  public:
+  /// The last sightings of one target, in order of time.
+  class Chain {
+    friend class Scatter;
+    struct Point {
+      Time time{};
+      Eigen::Vector2d angles = Eigen::Vector2d::Zero();
+      Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+    };
+    std::array<Point, 4> points_;  // oldest first; the last `count_` of them count
+    int count_ = 0;
+  };
+
   /// `longest`: time that four sightings may take [s]; beyond, the target's motion would count as noise.
   explicit Scatter(double longest = 0.5) : longest_(longest) {}
 
-  /// A sighting: (azimuth, elevation) [rad], covariance [rad^2], positive definite.
-  void add(Time time, const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance);
-
-  /// The next sighting is not of the target of the last one.
-  void breakOff() { count_ = 0; }
+  /// The next sighting of a target: (azimuth, elevation) [rad], covariance [rad^2], positive definite. One
+  /// near the zenith, or not after the last one, breaks the chain.
+  void add(Chain& chain, Time time, const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance);
 
   /// Sigma of the scatter over the stated one, from the median of e^T cov(e)^-1 e, which stray sightings do
   /// not move. None while there are fewer than 20 samples.
@@ -35,17 +45,9 @@ class Scatter {
   std::size_t samples() const { return distances_.size(); }
 
  private:
-  struct Point {
-    Time time{};
-    Eigen::Vector2d angles = Eigen::Vector2d::Zero();
-    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  };
-
-  std::optional<double> distanceSquared() const;
+  static std::optional<double> distanceSquared(const std::array<Chain::Point, 4>& points);
 
   double longest_;
-  std::array<Point, 4> last_;  // oldest first; the last `count_` of them count
-  int count_ = 0;
   RecentValues distances_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -36,8 +37,8 @@ class InputExamination {
   void take(const sightline::SightingArray& scan, const std::string& topic, const std::string& publisher,
             sightline::core::Time arrival);
 
-  /// What a tracker did with a scan.
-  void take(const sightline::AssociationArray& associations);
+  /// What a tracker did with a scan that was taken before; `tracker` tells its tracks from those of others.
+  void take(const sightline::AssociationArray& associations, const std::string& tracker);
 
   std::vector<Row> sensors() const;
 
@@ -52,16 +53,23 @@ class InputExamination {
  private:
   using Key = std::pair<std::string, std::string>;  // sensor, topic
 
-  /// The sightings of one scan, in the sensor's frame.
+  /// A sighting in the sensor's frame.
+  struct Seen {
+    Eigen::Vector2d angles;      // [rad]
+    Eigen::Matrix2d covariance;  // [rad^2]
+    bool is_usable = false;
+    std::string track;  // that took it, of any tracker; empty = none
+  };
+
   struct Shot {
     std_msgs::Header header;
-    std::vector<Eigen::Vector2d> angles;
+    std::vector<Seen> sightings;  // in the order of the scan
   };
 
   struct Source {
     SensorRecord record;
     std::set<std::string> publishers;
-    std::vector<Shot> shots;  // every so-manieth scan
+    std::vector<Shot> shots;  // every `every`th scan
     std::size_t every = 1;
   };
 
@@ -75,6 +83,10 @@ class InputExamination {
                       std::vector<Finding>& found) const;
   void findStrangers(const tf2::BufferCore& transforms, const std::string& tracking_frame,
                      std::vector<Finding>& found) const;
+  void findScatter(const tf2::BufferCore& transforms, const std::string& tracking_frame,
+                   std::vector<Finding>& found) const;
+  static std::optional<double> scatterOf(const Source& source, const tf2::BufferCore& transforms,
+                                         const std::string& tracking_frame);
   static std::vector<sightline::core::Glimpse> glimpsesOf(const Source& source,
                                                           const tf2::BufferCore& transforms,
                                                           const std::string& tracking_frame, Reading reading);

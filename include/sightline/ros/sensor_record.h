@@ -10,7 +10,6 @@
 #include <sightline/SightingArray.h>
 
 #include "sightline/core/recent_values.h"
-#include "sightline/core/scatter.h"
 #include "sightline/core/time.h"
 
 namespace sightline_ros {
@@ -71,7 +70,6 @@ class SensorRecord {
   std::optional<std::string> duplicateWords() const;
   std::optional<std::string> gapWords() const;
   std::optional<std::string> emptyWords() const;
-  std::optional<std::string> covarianceWords() const;
   std::optional<std::string> innovationWords() const;
 
   std::size_t scans_ = 0;
@@ -87,8 +85,7 @@ class SensorRecord {
   sightline::core::RecentValues latencies_;
   sightline::core::RecentValues intervals_;
   sightline::core::RecentValues innovations_;
-  sightline::core::RecentValues sigmas_;  // [rad]
-  sightline::core::Scatter scatter_;
+  sightline::core::RecentValues sigmas_;          // [rad]
   std::map<std::string, Counted> refused_scans_;  // by reason
   Counted refused_sightings_;
   std::set<std::string> frames_;
