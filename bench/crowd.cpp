@@ -2,6 +2,7 @@
 // are not told.
 //
 //   crowd [--table NAME] [--runs N] [--crossing DIR] [--estimator twbls|noga|kalman|imm]
+//         [--association nearest|jpda]
 //
 // Tables: crossing (10 targets; recordings DIR/run1 .. run3), dense (14 targets that cross, P_D 0.85, 8 false
 // sightings a scan), clutter (3 targets, P_D 0.8, 50 false ones), faint (P_D 0.6), formation, splitting,
@@ -229,6 +230,12 @@ core::EstimatorKind kindOf(const std::string& name) {
   throw std::invalid_argument("--estimator: expected twbls, noga, kalman or imm, got " + name);
 }
 
+core::AssociationMethod methodOf(const std::string& name) {
+  if (name == "nearest") return core::AssociationMethod::nearest;
+  if (name == "jpda") return core::AssociationMethod::jpda;
+  throw std::invalid_argument("--association: expected nearest or jpda, got " + name);
+}
+
 int run(int argc, char** argv) {
   Options options;
   for (int k = 1; k + 1 < argc; k += 2) {
@@ -239,6 +246,8 @@ int run(int argc, char** argv) {
       options.runs = std::atoi(value.c_str());
     else if (name == "--crossing")
       options.crossing = value;
+    else if (name == "--association")
+      options.params.association = methodOf(value);
     else if (name == "--estimator")
       options.params.estimator.kind = kindOf(value);
     else

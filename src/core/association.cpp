@@ -13,6 +13,7 @@ namespace sightline::core {
 namespace {
 
 constexpr double kTwoPi = 6.28318530717958648;
+constexpr double kLeastMissed = 1e-12;  // probability: nothing is for certain
 constexpr double kLeastCosine = 0.1;    // of an elevation in a chart
 constexpr double kMostLogRatio = 40.0;  // what is beyond is as certain as can be
 
@@ -167,11 +168,49 @@ std::vector<GatedPair> roundOf(const std::vector<GatedPair>& pairs,
   return round;
 }
 
+/// Lets the joint probabilities of all assignments speak for the believed tracks: what their sightings weigh,
+/// and how much evidence of the targets the scan is (joint integrated association).
+void weighJointly(const Scan& scan, const std::vector<GatedPair>& pairs,
+                  const std::vector<Expectation>& expectations, Pairing& pairing) {
+  std::vector<double> miss_weight(expectations.size(), 1.0);
+  for (std::size_t i = 0; i < expectations.size(); ++i) {
+    const double existence = expectations[i].existence;
+    miss_weight[i] = 1.0 - existence + existence * missWeight(expectations[i]);
+  }
+  std::vector<GatedPair> weighted = pairs;
+  for (GatedPair& pair : weighted)
+    pair.log_ratio += std::log(expectations[static_cast<std::size_t>(pair.track)].existence);
+  const JointProbabilities joint = jointProbabilities(weighted, miss_weight);
+
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto i = static_cast<std::size_t>(pairs[k].track);
+    if (pairing.sighting_of[i] < 0) continue;
+    const Expectation& expectation = expectations[i];
+    const Sighting& sighting = scan.sightings[static_cast<std::size_t>(pairs[k].sighting)];
+    PossibleSighting possible;
+    possible.innovation =
+        angleDifference(expectation.chart.coordinatesOf(sighting.direction), expectation.prediction.angles());
+    possible.covariance = expectation.noiseOf(sighting);
+    possible.probability = joint.paired[k];
+    pairing.possible[i].push_back(possible);
+  }
+  for (std::size_t i = 0; i < expectations.size(); ++i) {
+    if (!expectations[i].believed) continue;
+    // Of the probability that nothing was its own, the part with a target; then odds after over odds before.
+    const double existence = expectations[i].existence;
+    const double missed = std::max(joint.missed[i], kLeastMissed);
+    const double there =
+        1.0 - joint.missed[i] + joint.missed[i] * existence * missWeight(expectations[i]) / miss_weight[i];
+    pairing.evidence[i] = there * miss_weight[i] / (missed * existence);
+  }
+}
+
 }  // namespace
 
 Pairing associate(const Scan& scan, const std::vector<Expectation>& expectations, const GateParams& params,
-                  double clutter_density) {
+                  double clutter_density, AssociationMethod method) {
   Pairing pairing;
+  pairing.possible.resize(expectations.size());
   pairing.sighting_of.assign(expectations.size(), -1);
   pairing.expectation_of.assign(scan.sightings.size(), -1);
   pairing.may_start.assign(scan.sightings.size(), true);
@@ -185,6 +224,7 @@ Pairing associate(const Scan& scan, const std::vector<Expectation>& expectations
     const std::vector<GatedPair> round = roundOf(candidates.pairs, expectations, believed, pairing);
     for (const std::vector<int>& cluster : clusters(round))
       assignCluster(round, cluster, expectations, pairing);
+    if (believed && method == AssociationMethod::jpda) weighJointly(scan, round, expectations, pairing);
   }
 
   for (std::size_t k = 0; k < candidates.pairs.size(); ++k) {

@@ -21,6 +21,7 @@ constexpr double kNoiseMargin = 1.5;        // by which the noise found may be t
 constexpr double kLookMemory = 50.0;        // scans over which a track's own share of sightings is taken ...
 constexpr double kTrustInSensor = 10.0;     // ... against so many of the sensor's
 constexpr double kHopeless = 0.01;          // share of its odds at the start that ends a tentative track
+constexpr double kCertain = 0.95;           // probability from which a sighting is taken for the target's
 constexpr double kReturns = 0.5;            // of targets that are lost, those that return
 constexpr double kJumps = 0.05;             // of these, those that have jumped ...
 constexpr double kJumpStretch = 25.0;       // ... so much farther
@@ -30,6 +31,24 @@ constexpr double kSeenAgain = 0.9;  // existence from which a lost track is show
 bool isUsable(const AngularState& state) {
   return state.mean.allFinite() && state.covariance.allFinite() &&
          Eigen::LLT<Eigen::Matrix4d>(state.covariance).info() == Eigen::Success;
+}
+
+/// Puts what several possible sightings say together in the place of one. The estimator multiplies the
+/// covariance with the noise scale that it has learnt; that is in the possible ones already.
+void joinTogether(const std::vector<PossibleSighting>& possible, const Expectation& expectation,
+                  Measurement& measurement) {
+  const auto mostLikely = [](const PossibleSighting& a, const PossibleSighting& b) {
+    return a.probability < b.probability;
+  };
+  const double most = std::max_element(possible.begin(), possible.end(), mostLikely)->probability;
+  if (most > kCertain) return;  // that one, which tells of the noise and of the motion's model as well
+  const auto equivalent = equivalentSighting(expectation.prediction.anglesCovariance(), possible);
+  if (!equivalent) return;
+  const Eigen::Vector2d unscaled = expectation.noise_scale.cwiseInverse();
+  measurement.position = expectation.prediction.angles() + equivalent->innovation;
+  measurement.covariance = noiseCovariance(equivalent->covariance, unscaled);
+  measurement.sightings = equivalent->sightings;
+  measurement.is_certain = false;
 }
 
 }  // namespace
@@ -125,14 +144,17 @@ Expectation LiveTrack::expect(const Scan& scan, double detection_probability,
 }
 
 void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectation& expectation,
-                     double evidence, const LifecycleParams& lifecycle) {
+                     const std::vector<PossibleSighting>& possible, double evidence,
+                     const LifecycleParams& lifecycle) {
   Measurement measurement = measurementOf(scan, sighting);
   measurement.covariance += expectation.smear;
+  last_covariance_ = measurement.covariance;
+  if (!possible.empty()) joinTogether(possible, expectation, measurement);
   Gate stated;
   stated.covariance = expectation.prediction.anglesCovariance() + expectation.noiseOf(sighting);
   const Eigen::Vector2d innovation = angleDifference(measurement.position, expectation.prediction.angles());
   const double seen = std::min(distanceSquared(stated, innovation) / 2.0, kLargestInnovation);
-  innovation_scale_ += kInnovationMemory * (seen - innovation_scale_);
+  if (measurement.is_certain) innovation_scale_ += kInnovationMemory * (seen - innovation_scale_);
 
   const double since_last = seconds(scan.time - last_sighting_);
   weigh(scan.time, evidence, lifecycle);
@@ -141,13 +163,12 @@ void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectati
 
   estimator_->update(measurement);
   known_at_ = std::nullopt;
-  last_covariance_ = measurement.covariance;
   last_noise_scale_ = scan.noise_scale;
   last_sighting_ = scan.time;
   misses_ = 0;
   ++hits_;
   ++scans_;
-  noteSource(scan, innovation, measurement.covariance);
+  noteSource(scan, innovation, last_covariance_);
   if (status_ != TrackStatus::tentative || isConfirmedBy(lifecycle)) status_ = TrackStatus::confirmed;
   if (lost_ && (!lifecycle.by_existence || existence_.probability() >= kSeenAgain)) lost_ = false;
 }

@@ -220,7 +220,7 @@ LocalTracker::Look LocalTracker::lookAt(const Scan& scan, double noise_scale) {
     }
   }
   look.pairing = associate(is_scaled ? withNoise(scan, noise_scale) : scan, look.expectations, params_.gate,
-                           state_.detection.clutterDensity(scan));
+                           state_.detection.clutterDensity(scan), params_.association);
   if (!params_.guard.enabled) return look;
   look.vouching.reserve(state_.tracks.size());
   for (const LiveTrack& track : state_.tracks)
@@ -304,7 +304,8 @@ std::vector<std::uint32_t> LocalTracker::update(const Scan& scan, const Look& lo
       const Sighting& sighting = scan.sightings[static_cast<std::size_t>(taken)];
       calibrate(scan, sighting, track, expectation);
       const bool was_tentative = !track.isBelieved() && !track.isLost();
-      track.take(scan, sighting, expectation, look.pairing.evidence[i], params_.lifecycle);
+      track.take(scan, sighting, expectation, look.pairing.possible[i], look.pairing.evidence[i],
+                 params_.lifecycle);
       if (was_tentative && track.isBelieved()) fresh.push_back(track.id());
     } else if (!is_excluded || look.vouching[i].others == 0) {
       track.miss(scan, expectation, look.pairing.evidence[i], params_.lifecycle);

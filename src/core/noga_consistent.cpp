@@ -111,7 +111,7 @@ std::unique_ptr<Estimator> NogaConsistentEstimator::clone() const {
 void NogaConsistentEstimator::update(const Measurement& measurement) {
   const Eigen::Matrix2d& R = measurement.covariance;
   coupled_ = coupled_ || std::abs(R(0, 1)) > kCoupling * std::sqrt(R(0, 0) * R(1, 1));
-  sighting_noise_.add(R, measurement.sightings);
+  if (measurement.is_certain || !time_) sighting_noise_.add(R, measurement.sightings);
   const double h = time_ ? seconds(measurement.time - *time_) : 0.0;
   if (time_ && h <= kLongestStep) {
     noise_learning_.next(h);
@@ -122,7 +122,8 @@ void NogaConsistentEstimator::update(const Measurement& measurement) {
       log_likelihoods(mode) =
           reduce(beliefs_[mode], measurement, kind == ResponseModel::Kind::straight);  // (iii)
     }
-    chain_.update(h, log_likelihoods);  // (iv)
+    if (!measurement.is_certain) log_likelihoods.setZero();  // it tells nothing of the models
+    chain_.update(h, log_likelihoods);                       // (iv)
   } else {
     start(measurement);
   }
@@ -290,7 +291,7 @@ double NogaConsistentEstimator::reduce(Belief& belief, const Measurement& measur
                       : reduceChannel<4>(belief, channel, position, variance, distances_squared(channel));
     }
   }
-  learnNoise(belief, distances_squared);
+  if (measurement.is_certain) learnNoise(belief, distances_squared);
   return log_likelihood;
 }
 

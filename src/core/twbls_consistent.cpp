@@ -72,13 +72,15 @@ std::unique_ptr<Estimator> TwblsConsistentEstimator::clone() const {
 
 void TwblsConsistentEstimator::update(const Measurement& measurement) {
   if (!window_.empty()) weigh(measurement);
-  sighting_noise_.add(measurement.covariance, measurement.sightings);
+  if (measurement.is_certain || window_.empty())
+    sighting_noise_.add(measurement.covariance, measurement.sightings);
   add(measurement);
   shortenWindow();
 }
 
 /// The evidence fades, and each process noise gains the log likelihood of what it had predicted.
 void TwblsConsistentEstimator::weigh(const Measurement& measurement) {
+  if (!measurement.is_certain) return;  // nothing was seen that tells the models apart
   const double h = seconds(measurement.time - window_.back().time);
   evidence_ *= std::exp(-h / params_.memory);
   if (window_.size() < 2) return;  // nothing was predicted

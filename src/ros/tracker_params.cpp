@@ -17,6 +17,7 @@ constexpr int kMostNogaRows = 62;
 using Names = std::vector<std::string>;
 
 const Names kEstimators = {"twbls", "noga", "kalman", "imm"};
+const Names kAssociations = {"nearest", "jpda"};
 const Names kGateShapes = {"ellipse", "rectangle"};
 const Names kTimeWeights = {"none", "linear", "exponential"};
 const Names kSensorWeights = {"variance", "ifov"};
@@ -266,6 +267,7 @@ core::LocalTrackerParams loadLocalTrackerParams(const ParamReader& reader, core:
   params.lifecycle = loadLifecycleParams(reader.sub("lifecycle"), params.lifecycle);
   params.detection = loadDetectionParams(reader.sub("detection"), params.detection);
   params.guard = loadGuardParams(reader.sub("guard"), params.guard);
+  params.association = chosen(reader, "association", params.association, kAssociations);
   params.adapt_gate = reader.flag("adapt_gate", params.adapt_gate);
   params.noise_calibration.enabled = params.estimator.twbls_consistent.noise.enabled;
   params.noise_calibration.min_scale = params.estimator.twbls_consistent.noise.min_scale;

@@ -106,6 +106,29 @@ TEST(Association, EvidenceIsTheSameAtEveryElevation) {
   EXPECT_NEAR(evidence[0], evidence[1], 1e-6 * evidence[0]);
 }
 
+TEST(Association, JointProbabilitiesShareASightingThatTwoMayHaveGiven) {
+  // Symmetric: each of two tracks has half a claim on what lies between them.
+  const Scan scan = scanOf({0.0, 0.0015, 0.003});
+  const Pairing pairing = associate(scan, {expectation(1, 0.0005), expectation(2, 0.0025)}, GateParams{},
+                                    1000.0, AssociationMethod::jpda);
+  ASSERT_EQ(pairing.sighting_of, (std::vector<int>{0, 2}));
+  ASSERT_EQ(pairing.possible[0].size(), 3u);
+  EXPECT_NEAR(pairing.possible[0][1].probability, pairing.possible[1][1].probability, 1e-9);
+  EXPECT_GT(pairing.possible[0][0].probability, pairing.possible[0][1].probability);
+  EXPECT_GT(pairing.possible[0][1].probability, pairing.possible[0][2].probability);
+  double sum = 0.0;
+  for (const PossibleSighting& possible : pairing.possible[0]) sum += possible.probability;
+  EXPECT_LE(sum, 1.0 + 1e-12);
+}
+
+TEST(Association, JointEvidenceIsThatOfTheNearestWhereThereIsNoDoubt) {
+  std::vector<Expectation> expectations{expectation(1, 0.0), expectation(2, 0.5)};
+  for (Expectation& expectation : expectations) expectation.existence = 0.9;
+  const Pairing nearest = associate(scanOf({0.0}), expectations, GateParams{}, 50.0);
+  const Pairing joint = associate(scanOf({0.0}), expectations, GateParams{}, 50.0, AssociationMethod::jpda);
+  for (int i : {0, 1}) EXPECT_NEAR(joint.evidence[i], nearest.evidence[i], 1e-6 * nearest.evidence[i]);
+}
+
 TEST(Association, ATargetThatTheSensorDoesNotLookAtIsNotMissed) {
   Expectation out_of_view = expectation(1, 0.5);
   out_of_view.is_in_view = false;

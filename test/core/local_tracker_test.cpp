@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <limits>
 #include <random>
@@ -324,6 +325,56 @@ TEST(LocalTracker, FiftyFalseSightingsAScanHideNoTargetAndMakeNone) {
   const Scan scan = sensor.look(40.0, {});
   EXPECT_NEAR(tracker.detection().probability(scan), 0.8, 0.06);
   EXPECT_NEAR(tracker.detection().clutterDensity(scan), 50.0 / (0.8 * 0.6), 15.0);
+}
+
+/// Mean square error of a track of a target among so many false sightings that every other gate holds one
+/// [rad^2]; a target that is lost counts with 10 mrad.
+double errorAmongFalseSightings(AssociationMethod method, unsigned seed) {
+  LocalTrackerParams params;
+  params.association = method;
+  LocalTracker tracker{params};
+  Sensor sensor;
+  sensor.random.seed(seed);
+  std::uniform_real_distribution<double> uniform(-0.02, 0.02);
+  std::bernoulli_distribution is_seen(0.85);
+  const Path path = [](double t) { return Eigen::Vector2d(0.01 * t, 0.0); };
+  double sum = 0.0;
+  int count = 0;
+  for (int k = 0; k < 300; ++k) {
+    const double time = 0.03 * k;
+    std::vector<Path> seen;
+    if (k < 30 || is_seen(sensor.random)) seen.push_back(path);
+    for (int j = 0; k >= 30 && j < 15; ++j) {
+      const Eigen::Vector2d place =
+          path(time) + Eigen::Vector2d(uniform(sensor.random), uniform(sensor.random));
+      seen.push_back([place](double) { return place; });
+    }
+    const ScanReport report = tracker.onScan(sensor.look(time, seen));
+    if (k < 60) continue;
+    const bool is_held = !report.tracks.empty() && report.tracks[0].id == 1;
+    const double error = is_held ? std::min(errorOf(report.tracks[0], path(time)), 0.01) : 0.01;
+    sum += error * error;
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(LocalTracker, JointAssociationHoldsATargetInThickClutterBetterThanTheNearestNeighbour) {
+  // Paired seeds: the mean of the differences and its standard error.
+  constexpr int kSeeds = 16;
+  double sum = 0.0, square = 0.0, nearest_sum = 0.0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const double nearest = errorAmongFalseSightings(AssociationMethod::nearest, seed);
+    const double difference = nearest - errorAmongFalseSightings(AssociationMethod::jpda, seed);
+    nearest_sum += nearest;
+    sum += difference;
+    square += difference * difference;
+  }
+  const double mean = sum / kSeeds;
+  const double error = std::sqrt((square / kSeeds - mean * mean) / (kSeeds - 1));
+  std::printf("nearest %.3g, gain %.3g +- %.2g mrad^2\n", 1e6 * nearest_sum / kSeeds, 1e6 * mean,
+              1e6 * error);
+  EXPECT_GT(mean, 2.0 * error);
 }
 
 TEST(LocalTracker, TwoTracksOfOneTargetBecomeOne) {

@@ -84,6 +84,7 @@ TEST(TrackerParams, WhatIsOutOfRangeIsRefused) {
                             "lifecycle: {merge_scans: 0}",
                             "detection: {probability: 1.5}",
                             "detection: {memory: 1.0}",
+                            "association: best",
                             "twbls: {paper: {window: 0}}",
                             "twbls: {paper: {max_sightings: 2}}",
                             "twbls: {consistent: {max_sightings: 2}}",

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sightline/core/chart.h"
+#include "sightline/core/equivalent_sighting.h"
 #include "sightline/core/estimator.h"
 #include "sightline/core/gate.h"
 #include "sightline/core/sighting.h"
@@ -34,10 +35,19 @@ struct Expectation {
   }
 };
 
+/// Who takes which sighting.
+enum class AssociationMethod {
+  nearest,  ///< global nearest neighbour: the most likely assignment
+  jpda,     ///< a believed track's state is moved by all sightings in its gate, each with its probability
+};
+
 /// Who took what. Index -1 = nobody, nothing.
 struct Pairing {
   std::vector<int> sighting_of;     ///< for each expectation
   std::vector<int> expectation_of;  ///< for each sighting
+  /// With jpda, for each expectation that has a sighting: all that may be its own; empty = that sighting
+  /// alone.
+  std::vector<std::vector<PossibleSighting>> possible;
   /// For each expectation: how many times as often the target would have given what was seen as clutter does:
   /// 1 - P_D + P_D N(innovation; 0, S) / clutter density, 1 - P_D without a sighting, 1 out of view.
   std::vector<double> evidence;
@@ -53,8 +63,11 @@ struct Pairing {
 /// Inside gates only. The scan is in the tracking frame. Deterministic; the order of tracks or sightings
 /// changes nothing but ties.
 ///
+/// With `jpda` the same assignment says which sighting is recorded as whose and who has missed; what moves
+/// the states of the believed tracks, and their evidence, are the joint probabilities of all assignments.
+///
 /// `clutter_density`: of the scan's false sightings [1/sr], > 0.
 Pairing associate(const Scan& scan, const std::vector<Expectation>& expectations, const GateParams& gate,
-                  double clutter_density);
+                  double clutter_density, AssociationMethod method = AssociationMethod::nearest);
 
 }  // namespace sightline::core

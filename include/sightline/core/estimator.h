@@ -19,6 +19,8 @@ struct Measurement {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of `position` [rad^2]
   double ifov = std::numeric_limits<double>::quiet_NaN();    ///< of the sensor [rad], NaN = not known
   double sightings = 1.0;  ///< how many of the sensor's sightings were summed up in this one, > 0
+  bool is_certain = true;  ///< false: several sightings that may be the target's, joined: its scatter and its
+                           ///< covariance tell nothing of the sensor's noise
 };
 
 /// The same sighting in a chart whose frame is turned by R_new_old.

@@ -76,9 +76,10 @@ class LiveTrack {
   Expectation expect(const Scan& scan, double detection_probability, const LifecycleParams& lifecycle,
                      bool adapt_gate);
 
-  /// Takes a sighting; `expectation` is that for the scan's time, `evidence` that of its pairing.
-  void take(const Scan& scan, const Sighting& sighting, const Expectation& expectation, double evidence,
-            const LifecycleParams& lifecycle);
+  /// Takes a sighting; `expectation` is that for the scan's time, `evidence` that of its pairing. `possible`:
+  /// all sightings that may be the target's, with their probabilities; empty = this one alone.
+  void take(const Scan& scan, const Sighting& sighting, const Expectation& expectation,
+            const std::vector<PossibleSighting>& possible, double evidence, const LifecycleParams& lifecycle);
 
   /// The scan has not shown the target: counts it, if its sensor is one that could have.
   void miss(const Scan& scan, const Expectation& expectation, double evidence,

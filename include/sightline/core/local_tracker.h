@@ -22,6 +22,7 @@ namespace sightline::core {
 struct LocalTrackerParams {
   EstimatorParams estimator;
   GateParams gate;
+  AssociationMethod association = AssociationMethod::nearest;
   bool adapt_gate = true;  ///< enlarge S by the innovations seen, where they are larger than S explains
   LifecycleParams lifecycle;
   DetectionParams detection;
