@@ -361,7 +361,7 @@ double errorAmongFalseSightings(AssociationMethod method, unsigned seed) {
 
 TEST(LocalTracker, JointAssociationHoldsATargetInThickClutterBetterThanTheNearestNeighbour) {
   // Paired seeds: the mean of the differences and its standard error.
-  constexpr int kSeeds = 16;
+  constexpr int kSeeds = 24;
   double sum = 0.0, square = 0.0, nearest_sum = 0.0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const double nearest = errorAmongFalseSightings(AssociationMethod::nearest, seed);
