@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <random>
@@ -360,21 +359,15 @@ double errorAmongFalseSightings(AssociationMethod method, unsigned seed) {
 }
 
 TEST(LocalTracker, JointAssociationHoldsATargetInThickClutterBetterThanTheNearestNeighbour) {
-  // Paired seeds: the mean of the differences and its standard error.
-  constexpr int kSeeds = 24;
-  double sum = 0.0, square = 0.0, nearest_sum = 0.0;
+  // Were they alike, 18 of 24 paired seeds would be better by chance in 1.1 % of cases. The mean is ruled by
+  // the rare track that is lost.
+  constexpr unsigned kSeeds = 24;
+  int better = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-    const double nearest = errorAmongFalseSightings(AssociationMethod::nearest, seed);
-    const double difference = nearest - errorAmongFalseSightings(AssociationMethod::jpda, seed);
-    nearest_sum += nearest;
-    sum += difference;
-    square += difference * difference;
+    const double joint = errorAmongFalseSightings(AssociationMethod::jpda, seed);
+    if (joint < errorAmongFalseSightings(AssociationMethod::nearest, seed)) ++better;
   }
-  const double mean = sum / kSeeds;
-  const double error = std::sqrt((square / kSeeds - mean * mean) / (kSeeds - 1));
-  std::printf("nearest %.3g, gain %.3g +- %.2g mrad^2\n", 1e6 * nearest_sum / kSeeds, 1e6 * mean,
-              1e6 * error);
-  EXPECT_GT(mean, 2.0 * error);
+  EXPECT_GE(better, 18);
 }
 
 TEST(LocalTracker, TwoTracksOfOneTargetBecomeOne) {
