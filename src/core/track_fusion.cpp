@@ -17,6 +17,8 @@
 namespace sightline::core {
 namespace {
 
+constexpr std::size_t kMostFormer = 32;  // local tracks that a global one remembers
+
 constexpr double kForbidden = std::numeric_limits<double>::infinity();
 constexpr double kReachSlack = 2.0;        // of the gate, before distances are computed exactly
 constexpr double kMergeSlack = 8.0;        // the same for global tracks, whose states are not their opinions
@@ -39,8 +41,8 @@ void check(const TrackFusionParams& params) {
   check(params.registration_sigma >= 0.0, "registration_sigma >= 0 rad is required");
   check(params.process_noise >= 0.0,
         "process_noise >= 0 rad^2/s^3 is required (0 = implied by the covariances)");
-  check(params.coasting_age >= 0.0 && params.delete_after >= 0.0,
-        "coasting_age and delete_after >= 0 s are required");
+  check(params.coasting_age >= 0.0 && params.delete_after >= 0.0 && params.remember >= 0.0,
+        "coasting_age, delete_after and remember >= 0 s are required");
   check(params.reports.max_age > 0.0 && params.reports.forget_after >= params.reports.max_age,
         "max_age > 0 s and forget_after >= max_age are required");
   check(params.max_tracks >= 1 && params.reports.max_tracks >= 1 && params.reports.max_trackers >= 1,
@@ -128,6 +130,8 @@ void TrackFusion::follow(const std::string& reporting) {
       // A track that was believed does not become tentative: its tracker started again and gave the id to
       // another.
       if (local == nullptr || local->track.status == TrackStatus::tentative) {
+        if (entry.former.size() >= kMostFormer) entry.former.erase(entry.former.begin());
+        if (local == nullptr) entry.former.emplace_back(key, hits_before);
         leave(entry, i);
         continue;
       }
@@ -273,8 +277,10 @@ void TrackFusion::associate(const std::string& tracker, bool merge) {
   std::vector<Row> rows = freeTracksOf(tracker);
   if (rows.empty() && !merge) return;
   std::vector<std::size_t> columns, supported;
-  for (std::size_t i = 0; i < entries_.size(); ++i)
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (seconds(time_ - entries_[i].track.lastFusion()) > params_.delete_after) continue;
     (entries_[i].track.hasTracker(tracker) ? supported : columns).push_back(i);
+  }
   if (merge) {
     for (const std::size_t i : supported) {
       const GlobalTrack& track = entries_[i].track;
@@ -387,9 +393,21 @@ void TrackFusion::erase(const std::vector<std::uint32_t>& ids) {
 void TrackFusion::start(const LocalKey& key) {
   const LocalTrack& local = *reports_.find(key);
   if (local.track.status != TrackStatus::confirmed) return;
+  const auto knowsIt = [&](const Entry& entry) {
+    return entry.track.supporters().empty() &&
+           std::any_of(entry.former.begin(), entry.former.end(), [&](const auto& former) {
+             return former.first == key && former.second < local.track.hits;
+           });
+  };
+  const auto before = std::find_if(entries_.begin(), entries_.end(), knowsIt);
+  if (before != entries_.end()) {
+    before->track.join(key, local);
+    return;
+  }
   if (entries_.size() >= static_cast<std::size_t>(params_.max_tracks)) return;
   Entry entry{GlobalTrack(next_id_++, time_, key, local, params_.process_noise),
               TrackletFusion(params_.tracklets),
+              {},
               {}};
   entry.report.track.id = entry.track.id();
   entries_.push_back(std::move(entry));
@@ -546,7 +564,7 @@ std::optional<FusedEstimate<4>> TrackFusion::combine(FusionRule rule, const Glob
 
 void TrackFusion::dropSilent() {
   const auto is_silent = [this](const Entry& entry) {
-    return seconds(time_ - entry.track.lastFusion()) > params_.delete_after;
+    return seconds(time_ - entry.track.lastFusion()) > std::max(params_.delete_after, params_.remember);
   };
   entries_.erase(std::remove_if(entries_.begin(), entries_.end(), is_silent), entries_.end());
 }
@@ -554,7 +572,9 @@ void TrackFusion::dropSilent() {
 FusionReport TrackFusion::describe() const {
   FusionReport report;
   report.time = time_;
-  for (const Entry& entry : entries_) report.tracks.push_back(entry.report);
+  for (const Entry& entry : entries_) {
+    if (!entry.track.supporters().empty()) report.tracks.push_back(entry.report);
+  }
   for (const auto& [name, tracker] : reports_.trackers()) {
     const auto add = [&report, name = &name, age = reports_.age(tracker.time)](std::uint32_t id,
                                                                                std::string why) {

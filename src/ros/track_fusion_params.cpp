@@ -68,6 +68,7 @@ core::TrackFusionParams loadTrackFusionParams(const ParamReader& reader, core::T
   params.process_noise = reader.number("process_noise", params.process_noise, atLeast(0.0), "rad^2/s^3");
   params.coasting_age = reader.number("coasting_age", params.coasting_age, atLeast(0.0), "s");
   params.delete_after = reader.number("delete_after", params.delete_after, atLeast(0.0), "s");
+  params.remember = reader.number("remember", params.remember, atLeast(0.0), "s");
   params.allow_shared_sensors = reader.flag("allow_shared_sensors", params.allow_shared_sensors);
   params.max_tracks = reader.integer("max_tracks", params.max_tracks, 1, kMany);
   params.reports = loadLocalReportsParams(reader, params.reports);

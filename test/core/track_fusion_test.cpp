@@ -280,19 +280,29 @@ TEST(TrackFusion, DeadSourceIsLeftOutAsStaleAndTheOtherGoesOn) {
   EXPECT_EQ(sourcesOf(report.tracks[0]), (Names{"dead 1", "live 1"})) << "it came back";
 }
 
-TEST(TrackFusion, TrackWithoutSupportCoastsThenEndsAndItsIdIsNotUsedAgain) {
+TEST(TrackFusion, ATrackThatNobodyReportsIsNotShownAndItsIdIsNotUsedAgain) {
   TrackFusion fusion({});
   fusion.onReport(reportOf("a", 1.0, {localTrack(1, {0.1, 0.2}, 1e-3, {0.1, 0.0})}));
-  FusionReport report = fusion.onReport(reportOf("a", 1.5, {}));
-  ASSERT_EQ(report.tracks.size(), 1u);
-  EXPECT_EQ(report.tracks[0].track.status, TrackStatus::coasting);
-  EXPECT_TRUE(report.tracks[0].sources.empty());
-  EXPECT_NEAR(report.tracks[0].track.state.mean(0), 0.15, 1e-12);
-  EXPECT_GT(report.tracks[0].track.state.covariance(0, 0), 2e-6);
+  EXPECT_TRUE(fusion.onReport(reportOf("a", 1.5, {})).tracks.empty());
   EXPECT_TRUE(fusion.onReport(reportOf("a", 2.1, {})).tracks.empty());
-  report = fusion.onReport(reportOf("a", 2.2, {localTrack(2, {0.1, 0.2})}));
+  const FusionReport report = fusion.onReport(reportOf("a", 2.2, {localTrack(2, {0.1, 0.2})}));
   ASSERT_EQ(report.tracks.size(), 1u);
   EXPECT_EQ(report.tracks[0].track.id, 2u);
+}
+
+TEST(TrackFusion, ALocalTrackThatReturnsUnderItsIdGoesOnWithItsGlobalTrack) {
+  for (const double gap : {0.5, 3.0, 6.0}) {
+    TrackFusion fusion({});
+    fusion.onReport(reportOf("a", 1.0, {localTrack(1, {0.1, 0.2}, 1e-3, {0.1, 0.0})}));
+    for (double t = 1.1; t < 1.0 + gap - 0.05; t += 0.1)
+      EXPECT_TRUE(fusion.onReport(reportOf("a", t, {})).tracks.empty());
+    Track returned = localTrack(1, {0.1 + 0.1 * gap, 0.25}, 1e-3, {0.1, 0.0});
+    ++returned.hits;
+    const FusionReport report = fusion.onReport(reportOf("a", 1.0 + gap, {returned}));
+    ASSERT_EQ(report.tracks.size(), 1u);
+    EXPECT_EQ(report.tracks[0].track.id, gap < 5.0 ? 1u : 2u) << gap;
+    EXPECT_NEAR(report.tracks[0].track.state.mean(1), 0.25, 1e-9);
+  }
 }
 
 TEST(TrackFusion, LocalTrackReplacedByAnotherIdContinuesTheGlobalTrack) {
@@ -388,10 +398,10 @@ TEST(TrackFusion, RestartedTrackerWithAnotherTargetUnderTheSameIdIsNotConfused) 
   Track other = localTrack(1, {0.9, -0.2});
   other.hits = 3;
   const FusionReport report = fusion.onReport(reportOf("a", 1.1, {other}));
-  ASSERT_EQ(report.tracks.size(), 2u);
-  EXPECT_TRUE(report.tracks[0].sources.empty()) << "the first target is not seen any more";
-  EXPECT_NEAR(report.tracks[0].track.state.mean(0), 0.1, 1e-9);
-  EXPECT_EQ(sourcesOf(report.tracks[1]), (Names{"a 1"}));
+  ASSERT_EQ(report.tracks.size(), 1u);  // the first target is not seen any more
+  EXPECT_EQ(report.tracks[0].track.id, 2u);
+  EXPECT_NEAR(report.tracks[0].track.state.mean(0), 0.9, 1e-9);
+  EXPECT_EQ(sourcesOf(report.tracks[0]), (Names{"a 1"}));
 }
 
 TEST(TrackFusion, RestartedTrackerWithTheSameTargetContinuesIt) {
@@ -400,7 +410,7 @@ TEST(TrackFusion, RestartedTrackerWithTheSameTargetContinuesIt) {
         tentative = withStatus(localTrack(1, {0.1, 0.2}), TrackStatus::tentative);
   old.hits = 500, tentative.hits = 1;
   fusion.onReport(reportOf("a", 1.0, {old}));
-  EXPECT_TRUE(fusion.onReport(reportOf("a", 1.1, {tentative})).tracks[0].sources.empty());
+  EXPECT_TRUE(fusion.onReport(reportOf("a", 1.1, {tentative})).tracks.empty());
   const FusionReport report = fusion.onReport(reportOf("a", 1.3, {localTrack(1, {0.1, 0.2})}));
   ASSERT_EQ(report.tracks.size(), 1u);
   EXPECT_EQ(report.tracks[0].track.id, 1u);

@@ -41,7 +41,11 @@ struct TrackFusionParams {
   double process_noise = 0.0;
 
   double coasting_age = 0.5;  ///< a coasting local track counts so long after its last sighting [s], >= 0
-  double delete_after = 1.0;  ///< a global track ends so long after its last support [s], >= 0
+  /// A global track that no tracker reports any more is not shown. A new local track may go on with it for so
+  /// long [s], >= 0 ...
+  double delete_after = 1.0;
+  double remember =
+      5.0;  ///< ... and a local track that it had and that returns under its id, for so long [s]
   bool allow_shared_sensors = false;  ///< fuse local tracks that list a sensor in common as if they did not
   int max_tracks = 256;               ///< no global track is started beyond, >= 1
   LocalReportsParams reports;
@@ -92,6 +96,7 @@ class TrackFusion {
     GlobalTrack track;
     TrackletFusion tracklets;
     FusedTrack report;
+    std::vector<std::pair<LocalKey, std::uint32_t>> former;  // local tracks that it had, with their hits then
   };
 
   /// A global track's new state, in its chart, and who made it.
