@@ -13,9 +13,10 @@ namespace sightline::core {
 namespace {
 
 constexpr double kTwoPi = 6.28318530717958648;
-constexpr double kLeastMissed = 1e-12;  // probability: nothing is for certain
-constexpr double kLeastCosine = 0.1;    // of an elevation in a chart
-constexpr double kMostLogRatio = 40.0;  // what is beyond is as certain as can be
+constexpr double kLeastMissed = 1e-12;     // probability: nothing is for certain
+constexpr double kLeastVisibility = 0.01;  // of what has been seen all the same
+constexpr double kLeastCosine = 0.1;       // of an elevation in a chart
+constexpr double kMostLogRatio = 40.0;     // what is beyond is as certain as can be
 
 /// The sightings in the gates of the tracks.
 struct Candidates {
@@ -99,7 +100,7 @@ Candidates candidatesOf(const Scan& scan, const std::vector<Expectation>& expect
 }
 
 double missWeight(const Expectation& expectation) {
-  return expectation.is_in_view ? 1.0 - expectation.detection_probability : 1.0;
+  return 1.0 - expectation.visibility * expectation.detection_probability;
 }
 
 void take(const GatedPair& pair, const std::vector<Expectation>& expectations, Pairing& pairing) {

@@ -42,8 +42,12 @@ double solidAngleOf(const CalibratedDetection& sensor) {
   return std::min(12.0 * std::sqrt(std::max(determinant, 1e-18)), kSphere);
 }
 
-double clutterOf(const CalibratedDetection& sensor) {
-  const double mean = (sensor.clutter + kTrustInClutter * kFirstClutter) / (sensor.scans + kTrustInClutter);
+/// All that a scan shows may be false: it counts as such beside what has been learnt, so that the first scans
+/// of a sensor in clutter are not taken for clear ones.
+double clutterOf(const CalibratedDetection& sensor, const Scan& scan) {
+  const double shown = static_cast<double>(scan.sightings.size());
+  const double mean =
+      (sensor.clutter + shown + kTrustInClutter * kFirstClutter) / (sensor.scans + 1.0 + kTrustInClutter);
   return std::max(mean, kLeastClutter);
 }
 
@@ -86,7 +90,7 @@ double DetectionCalibration::clutterDensity(const Scan& scan) const {
   const double area = solidAngle(scan);
   if (told >= 0.0) return std::max(told, kLeastClutter / area);
   const CalibratedDetection* sensor = find(scan.sensor);
-  return (sensor == nullptr ? kFirstClutter : clutterOf(*sensor)) / area;
+  return clutterOf(sensor == nullptr ? CalibratedDetection{} : *sensor, scan) / area;
 }
 
 double DetectionCalibration::clutter(const Scan& scan) const {

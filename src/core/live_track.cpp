@@ -21,6 +21,8 @@ constexpr double kNoiseMargin = 1.5;        // by which the noise found may be t
 constexpr double kLookMemory = 50.0;        // scans over which a track's own share of sightings is taken ...
 constexpr double kTrustInSensor = 10.0;     // ... against so many of the sensor's
 constexpr double kHopeless = 0.01;          // share of its odds at the start that ends a tentative track
+constexpr double kFirstVisibility = 0.5;    // that a sensor could see the target, before it has or has not
+constexpr double kLeastVisibility = 0.01;   // after all: it may have been hidden
 constexpr double kCertain = 0.95;           // probability from which a sighting is taken for the target's
 constexpr double kReturns = 0.5;            // of targets that are lost, those that return
 constexpr double kJumps = 0.05;             // of these, those that have jumped ...
@@ -88,7 +90,8 @@ LiveTrack::LiveTrack(const LiveTrack& other)
       scans_(other.scans_),
       looked_(other.looked_),
       seen_(other.seen_),
-      sources_(other.sources_) {}
+      sources_(other.sources_),
+      strangers_(other.strangers_) {}
 
 Measurement LiveTrack::measurementOf(const Scan& scan, const Sighting& sighting) const {
   Measurement measurement;
@@ -138,9 +141,27 @@ Expectation LiveTrack::expect(const Scan& scan, double detection_probability,
   expectation.existence = existence_.probability();
   expectation.detection_probability =
       (seen_ + kTrustInSensor * detection_probability) / (looked_ + kTrustInSensor);
-  expectation.is_in_view =
-      hasBeenSeenBy(scan, lifecycle) && (!scan.view || scan.view->holds(expectation.direction));
+  const bool has_been_seen = hasBeenSeenBy(scan, lifecycle);
+  const bool looks_there = !scan.view || scan.view->holds(expectation.direction);
+  expectation.is_in_view = has_been_seen && looks_there;
+  expectation.visibility = !looks_there ? 0.0 : has_been_seen ? 1.0 : visibilityFor(scan);
   return expectation;
+}
+
+double LiveTrack::visibilityFor(const Scan& scan) const {
+  for (const Stranger& stranger : strangers_) {
+    if (stranger.sensor == scan.sensor) return stranger.visibility;
+  }
+  return kFirstVisibility;
+}
+
+void LiveTrack::noteStranger(const Scan& scan, double visibility) {
+  for (Stranger& stranger : strangers_) {
+    if (stranger.sensor != scan.sensor) continue;
+    stranger.visibility = std::max(visibility, kLeastVisibility);
+    return;
+  }
+  if (strangers_.size() < kMostSources) strangers_.push_back({scan.sensor, visibility});
 }
 
 void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectation& expectation,
@@ -159,6 +180,7 @@ void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectati
   const double since_last = seconds(scan.time - last_sighting_);
   weigh(scan.time, evidence, lifecycle);
   if (expectation.is_in_view) noteLook(true);
+  if (expectation.visibility < 1.0) noteStranger(scan, kFirstVisibility);
   interval_ = hits_ == 1 ? since_last : interval_ + kIntervalMemory * (since_last - interval_);
 
   estimator_->update(measurement);
@@ -175,11 +197,17 @@ void LiveTrack::take(const Scan& scan, const Sighting& sighting, const Expectati
 
 void LiveTrack::miss(const Scan& scan, const Expectation& expectation, double evidence,
                      const LifecycleParams& lifecycle) {
-  if (!expectation.is_in_view) return;
-  ++misses_;
-  ++scans_;
+  if (expectation.visibility <= 0.0) return;
   weigh(scan.time, evidence, lifecycle);
-  noteLook(false);
+  if (expectation.is_in_view) {
+    ++misses_;
+    ++scans_;
+    noteLook(false);
+  } else {  // the sensor did not see it, or cannot
+    const double missed = 1.0 - expectation.detection_probability;
+    const double visibility = expectation.visibility;
+    noteStranger(scan, visibility * missed / (1.0 - visibility + visibility * missed));
+  }
 }
 
 void LiveTrack::weigh(Time time, double evidence, const LifecycleParams& lifecycle) {

@@ -131,7 +131,7 @@ TEST(Association, JointEvidenceIsThatOfTheNearestWhereThereIsNoDoubt) {
 
 TEST(Association, ATargetThatTheSensorDoesNotLookAtIsNotMissed) {
   Expectation out_of_view = expectation(1, 0.5);
-  out_of_view.is_in_view = false;
+  out_of_view.visibility = 0.0;
   EXPECT_EQ(associate(scanOf({0.0}), {out_of_view}, GateParams{}, 1.0).evidence[0], 1.0);
 }
 

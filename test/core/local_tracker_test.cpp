@@ -359,15 +359,15 @@ double errorAmongFalseSightings(AssociationMethod method, unsigned seed) {
 }
 
 TEST(LocalTracker, JointAssociationHoldsATargetInThickClutterBetterThanTheNearestNeighbour) {
-  // Were they alike, 18 of 24 paired seeds would be better by chance in 1.1 % of cases. The mean is ruled by
+  // Were they alike, 27 of 40 paired seeds would be better by chance in 1.9 % of cases. The mean is ruled by
   // the rare track that is lost.
-  constexpr unsigned kSeeds = 24;
+  constexpr unsigned kSeeds = 40;
   int better = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const double joint = errorAmongFalseSightings(AssociationMethod::jpda, seed);
     if (joint < errorAmongFalseSightings(AssociationMethod::nearest, seed)) ++better;
   }
-  EXPECT_GE(better, 18);
+  EXPECT_GE(better, 27);
 }
 
 TEST(LocalTracker, TwoTracksOfOneTargetBecomeOne) {

@@ -27,7 +27,10 @@ struct Expectation {
   double innovation_scale = 1.0;                          ///< by which S is enlarged, >= 1
   double existence = 1.0;              ///< probability that there is a target, before the scan
   double detection_probability = 0.9;  ///< that the scan shows the target, were it there, in (0, 1)
-  bool is_in_view = true;  ///< false: the sensor does not look there, or has never shown the target
+  /// Probability that the scan could show such a target at all: 1 where its sensor has seen it lately, 0 out
+  /// of its field of view, and in between while nobody knows.
+  double visibility = 1.0;
+  bool is_in_view = true;  ///< the sensor has seen the target lately, and looks there
 
   /// Covariance of the noise of a sighting in the chart, by what the track has found [rad^2].
   Eigen::Matrix2d noiseOf(const Sighting& sighting) const {
@@ -49,7 +52,8 @@ struct Pairing {
   /// alone.
   std::vector<std::vector<PossibleSighting>> possible;
   /// For each expectation: how many times as often the target would have given what was seen as clutter does:
-  /// 1 - P_D + P_D N(innovation; 0, S) / clutter density, 1 - P_D without a sighting, 1 out of view.
+  /// 1 - P_D + P_D N(innovation; 0, S) / clutter density, 1 - P_D without a sighting, with P_D times
+  /// `visibility`.
   std::vector<double> evidence;
   std::vector<bool> may_start;  ///< for each sighting: free, and in no guarded gate
   std::vector<Association>

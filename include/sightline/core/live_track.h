@@ -116,10 +116,18 @@ class LiveTrack {
         Eigen::Vector2d::Zero();  // variance of its slowly varying error, in the chart [rad^2]
   };
 
+  /// A sensor that has not seen the target lately.
+  struct Stranger {
+    std::string sensor;
+    double visibility = 0.5;  // probability that it could
+  };
+
   Measurement measurementOf(const Scan& scan, const Sighting& sighting) const;
   void noteSource(const Scan& scan, const Eigen::Vector2d& innovation, const Eigen::Matrix2d& R);
   Eigen::Vector2d biasVariance(Time time) const;
   bool hasBeenSeenBy(const Scan& scan, const LifecycleParams& lifecycle) const;
+  double visibilityFor(const Scan& scan) const;
+  void noteStranger(const Scan& scan, double visibility);
   void weigh(Time time, double evidence, const LifecycleParams& lifecycle);
   void noteLook(bool is_seen);
   bool isConfirmedBy(const LifecycleParams& lifecycle) const;
@@ -146,6 +154,7 @@ class LiveTrack {
   int scans_ = 1;                     // that could have shown the target, since the start
   double looked_ = 0.0, seen_ = 0.0;  // the last ones of these, and how many of them did
   std::vector<Source> sources_;
+  std::vector<Stranger> strangers_;
 };
 
 }  // namespace sightline::core
