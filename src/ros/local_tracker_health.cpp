@@ -143,7 +143,8 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
                                   diagnostic_updater::DiagnosticStatusWrapper& status,
                                   const std::vector<core::WatchedSensor>& watched,
                                   const std::vector<core::CalibratedSensor>& calibrated,
-                                  const std::vector<core::WatchedStamps>& stamps) {
+                                  const std::vector<core::WatchedStamps>& stamps,
+                                  const std::vector<core::CalibratedDetection>& detection) {
   summarize(now, status);
   examine(now);
   for (const core::WatchedStamps& sensor : stamps) {
@@ -156,6 +157,8 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
     const bool is_rough = sensor.scale > kRough && sensor.sightings >= kSettledSightings;
     if (is_rough) status.mergeSummary(DiagnosticStatus::WARN, sensor.sensor + ": " + wordsOf(sensor));
   }
+  for (const core::CalibratedDetection& sensor : detection)
+    status.add("detection of " + sensor.sensor, wordsOf(sensor));
   for (const core::WatchedSensor& sensor : watched) {
     const std::string words = wordsOf(sensor);
     status.add("guard of " + sensor.sensor, words);

@@ -92,7 +92,7 @@ void LocalTrackerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
   for (const std::string& line : health_.clockLines(watched))
     ROS_WARN_STREAM(component_.name() << ": " << line);
   health_.diagnose(clockNow(), component_.waiting(), status, watched, component_.calibratedSensors(),
-                   component_.stamps());
+                   component_.stamps(), component_.detection());
 }
 
 }  // namespace sightline_ros

@@ -1,5 +1,6 @@
 #include "sightline/ros/sensor_words.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -9,6 +10,8 @@ namespace sightline_ros {
 namespace core = sightline::core;
 
 namespace {
+
+constexpr double kLooksToTell = 30.0;  // of settled targets, from which their share is said
 
 /// A stamp as seconds to the millisecond.
 std::string stampOf(core::Time time) {
@@ -54,6 +57,15 @@ std::string consequenceOf(core::SensorVerdict verdict, bool undecided) {
 std::string wordsOf(const core::SensorChange& change) {
   return "sensor \"" + change.sensor + "\" " + findingOf(change.change) + " (noticed at " +
          stampOf(change.change.time) + "): " + consequenceOf(change.change.verdict, change.undecided);
+}
+
+std::string wordsOf(const core::CalibratedDetection& sensor) {
+  std::ostringstream words;
+  words << std::setprecision(2);
+  if (sensor.looked >= kLooksToTell)
+    words << 100.0 * sensor.seen / sensor.looked << " % of settled targets seen, ";
+  words << sensor.clutter / std::max(sensor.scans, 1.0) << " false sightings a scan";
+  return words.str();
 }
 
 std::string wordsOf(const core::CalibratedSensor& sensor) {

@@ -195,6 +195,24 @@ TEST_F(Component, ASensorThatIsRougherThanItSaysIsWarnedOfAndOneThatIsCalmerIsSa
   }
 }
 
+TEST_F(Component, HowTheSensorSeesIsInTheDiagnostics) {
+  LocalTrackerComponent component(reader_, "my_tracker", transforms_);
+  LocalTrackerHealth health(2.0);
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  for (int i = 0; i < 1200; ++i) {  // four of five scans show the target, and a false sighting walks about
+    std::vector<double> azimuths{0.1 * (i % 13) - 0.6};
+    if (i % 5 != 0) azimuths.push_back(0.35);
+    const auto scan = scanAt(10.0 + 0.03 * i, azimuths);
+    for (const TrackerReport& report : component.onScan(scan, toCore(scan->header.stamp)))
+      health.note(report);
+  }
+  health.diagnose(at(46.0), 0, status, component.sensors(), component.calibratedSensors(), component.stamps(),
+                  component.detection());
+  const std::string words = valueOf(status, "detection of eye");
+  EXPECT_NEAR(std::stod(words), 80.0, 3.0) << words;
+  EXPECT_NE(words.find("1 false sightings a scan"), std::string::npos) << words;
+}
+
 TEST_F(Component, AWrongClockIsWarnedOfOnceAndStaysInTheDiagnostics) {
   LocalTrackerHealth health(2.0);
   std::mt19937_64 random(1);

@@ -69,6 +69,11 @@ class LocalTrackerComponent {
     return tracker_.calibratedSensors();
   }
 
+  /// What has been learnt of how each sensor sees targets, and what is none.
+  const std::vector<sightline::core::CalibratedDetection>& detection() const {
+    return tracker_.detection().sensors();
+  }
+
   std::size_t waiting() const { return frames_.waiting(); }
   const std::string& name() const { return name_; }
   const std::string& estimator() const { return estimator_; }

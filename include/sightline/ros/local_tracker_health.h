@@ -48,12 +48,13 @@ class LocalTrackerHealth {
   /// Fills a diagnostic status; rates and the level are over the time since the last call. `watched`: what
   /// the tracker thinks of its sensors; one that is not healthy is a warning. `calibrated`: what it has
   /// learnt of their noise; one that is much rougher than it states is a warning. `stamps`: how theirs stand
-  /// to the others'; one that does not agree is a warning.
+  /// to the others'; one that does not agree is a warning. `detection`: what it has learnt of how they see.
   void diagnose(sightline::core::Time now, std::size_t waiting,
                 diagnostic_updater::DiagnosticStatusWrapper& status,
                 const std::vector<sightline::core::WatchedSensor>& watched = {},
                 const std::vector<sightline::core::CalibratedSensor>& calibrated = {},
-                const std::vector<sightline::core::WatchedStamps>& stamps = {});
+                const std::vector<sightline::core::WatchedStamps>& stamps = {},
+                const std::vector<sightline::core::CalibratedDetection>& detection = {});
 
  private:
   struct Sensor {

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "sightline/core/detection_calibration.h"
 #include "sightline/core/noise_calibration.h"
 #include "sightline/core/sensor_guard.h"
 
@@ -12,6 +13,9 @@ std::string wordsOf(const sightline::core::SensorChange& change);
 
 /// What has been learnt of a sensor's noise: "0.12 times the stated sigma (from 300 sightings)".
 std::string wordsOf(const sightline::core::CalibratedSensor& sensor);
+
+/// "83 % of settled targets seen, 5.1 false sightings a scan".
+std::string wordsOf(const sightline::core::CalibratedDetection& sensor);
 
 /// That the sensor's clock is wrong, by how much and what is done about it; empty when nothing is known of
 /// it.
