@@ -153,6 +153,8 @@ void GlobalTrack::compareSupporters(const Registration& registration) {
 
 std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const Registration& registration,
                                                              double threshold, const std::string& reporting) {
+  const std::vector<Supporter> before = supporters_;
+  const std::size_t asked = usable().size();
   std::vector<std::size_t> contradicting;
   for (;;) {
     compareSupporters(registration);
@@ -170,6 +172,11 @@ std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const Registration&
     supporters_[worst].unusable = why.str();
     if (!supporters_[worst].contradicts_since) supporters_[worst].contradicts_since = time_;
     contradicting.push_back(worst);
+  }
+  if (2 * contradicting.size() > asked) {  // no majority agrees: whoever is left is left by chance
+    supporters_ = before;
+    compareSupporters(registration);
+    return {};
   }
   for (const std::size_t number : usable()) {
     if (supporters_[number].key.tracker == reporting) supporters_[number].contradicts_since.reset();

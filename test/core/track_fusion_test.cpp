@@ -338,6 +338,21 @@ TEST(TrackFusion, CoastingSourceCountsForAWhileThenOnlyIfItIsAlone) {
   EXPECT_EQ(report.tracks[0].track.status, TrackStatus::coasting);
 }
 
+TEST(TrackFusion, WhereNoMajorityAgreesNobodyIsLeftOut) {
+  // Five sharp local tracks that differ by many of their sigmas, and a vague one far off: to leave out the
+  // worst, one after the other, would end with the vague one alone.
+  TrackFusion fusion({});
+  const char* names[] = {"a", "b", "c", "d", "e"};
+  for (const char* name : names) fusion.onReport(reportOf(name, 1.0, {localTrack(1, {0.1, 0.2}, 3e-4)}));
+  fusion.onReport(reportOf("f", 1.0, {localTrack(1, {0.1, 0.2}, 5e-3)}));
+  FusionReport report;
+  for (int i = 0; i < 5; ++i)
+    report = fusion.onReport(reportOf(names[i], 1.05, {localTrack(1, {0.1 + 0.003 * i, 0.2}, 3e-4)}));
+  report = fusion.onReport(reportOf("f", 1.05, {localTrack(1, {0.13, 0.2}, 5e-3)}));
+  ASSERT_FALSE(report.tracks.empty());
+  EXPECT_NEAR(report.tracks[0].track.state.mean(0), 0.106, 0.003);
+}
+
 TEST(TrackFusion, CoastingTrackStartsNothing) {
   TrackFusion fusion({});
   const Track coasting = lastSeen(withStatus(localTrack(1, {0.1, 0.2}), TrackStatus::coasting), 0.9);
