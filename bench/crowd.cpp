@@ -15,11 +15,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <sys/resource.h>
+
+#include "processor_time.h"
 
 namespace sightline::bench {
 namespace {
@@ -209,9 +210,9 @@ void printLoad(const Options& options) {
   for (int block = 0; block < 6 * minutes; ++block) {
     for (core::Scan scan : recording.scans) {
       scan.time += core::durationOf(block * scenario.duration);
-      const double before = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+      const double before = processorTime();
       const auto report = tracker.onScan(scan);
-      spent += static_cast<double>(std::clock()) / CLOCKS_PER_SEC - before;
+      spent += processorTime() - before;
     }
     if (block % 6 == 5) {
       std::printf("minute %2d: %.2f s of processor time a second, %.0f MB\n", (block + 1) / 6, spent / 60.0,

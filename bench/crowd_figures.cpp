@@ -1,21 +1,15 @@
-#include <ctime>
 #include <set>
 
 #include "sightline/core/scores.h"
 #include "sightline/core/sphere.h"
 
 #include "crowd.h"
+#include "processor_time.h"
 
 namespace sightline::bench {
 namespace {
 
 constexpr double kCutoff = 0.01;  // [rad]
-
-double processorTime() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Life {
   int reports = 0, on_target = 0;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <deque>
 #include <limits>
 #include <map>
@@ -13,12 +12,10 @@
 #include "sightline/core/random_stream.h"
 #include "sightline/core/tracklet_builder.h"
 
+#include "processor_time.h"
+
 namespace sightline::bench {
 namespace {
-
-double processorTime() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 struct Target {
   Eigen::Vector2d middle, velocity, sway;  // [rad], [rad/s], [rad]

@@ -25,6 +25,12 @@ bool byName(const CalibratedDetection& sensor, const std::string& name) {
   return sensor.sensor < name;
 }
 
+/// A sensor of which nothing is known.
+const CalibratedDetection& unknownSensor() {
+  static const CalibratedDetection unknown;
+  return unknown;
+}
+
 /// A rectangle whose points have this variance in its two directions has the area 12 sqrt(var var).
 double solidAngleOf(const CalibratedDetection& sensor) {
   const double first_variance = kFirstSpread * kFirstSpread;
@@ -82,7 +88,7 @@ double DetectionCalibration::probability(const Scan& scan) const {
 double DetectionCalibration::solidAngle(const Scan& scan) const {
   if (scan.view) return scan.view->solidAngle();
   const CalibratedDetection* sensor = find(scan.sensor);
-  return solidAngleOf(sensor == nullptr ? CalibratedDetection{} : *sensor);
+  return solidAngleOf(sensor == nullptr ? unknownSensor() : *sensor);
 }
 
 double DetectionCalibration::clutterDensity(const Scan& scan) const {
@@ -90,7 +96,7 @@ double DetectionCalibration::clutterDensity(const Scan& scan) const {
   const double area = solidAngle(scan);
   if (told >= 0.0) return std::max(told, kLeastClutter / area);
   const CalibratedDetection* sensor = find(scan.sensor);
-  return clutterOf(sensor == nullptr ? CalibratedDetection{} : *sensor, scan) / area;
+  return clutterOf(sensor == nullptr ? unknownSensor() : *sensor, scan) / area;
 }
 
 double DetectionCalibration::clutter(const Scan& scan) const {

@@ -153,7 +153,6 @@ void GlobalTrack::compareSupporters(const Registration& registration) {
 
 std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const Registration& registration,
                                                              double threshold, const std::string& reporting) {
-  const std::vector<Supporter> before = supporters_;
   const std::size_t asked = usable().size();
   std::vector<std::size_t> contradicting;
   for (;;) {
@@ -169,14 +168,16 @@ std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const Registration&
     std::ostringstream why;
     why << "contradiction: distance squared " << farthest << " from the other local tracks (" << threshold
         << " allowed)";
-    supporters_[worst].unusable = why.str();
-    if (!supporters_[worst].contradicts_since) supporters_[worst].contradicts_since = time_;
     contradicting.push_back(worst);
+    supporters_[worst].unusable = why.str();
   }
   if (2 * contradicting.size() > asked) {  // no majority agrees: whoever is left is left by chance
-    supporters_ = before;
+    for (const std::size_t number : contradicting) supporters_[number].unusable.clear();
     compareSupporters(registration);
     return {};
+  }
+  for (const std::size_t number : contradicting) {
+    if (!supporters_[number].contradicts_since) supporters_[number].contradicts_since = time_;
   }
   for (const std::size_t number : usable()) {
     if (supporters_[number].key.tracker == reporting) supporters_[number].contradicts_since.reset();

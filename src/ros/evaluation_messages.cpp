@@ -9,6 +9,25 @@ namespace sightline_ros {
 
 namespace core = sightline::core;
 
+namespace {
+
+/// What the lines of the table and those of each target have in common.
+template <typename Row, typename Message>
+void copyCommon(const Row& row, Message& message) {
+  message.topic = row.topic;
+  message.name = row.name;
+  message.samples = row.samples;
+  message.rmse = row.rmse;
+  message.rate_rmse = row.rate_rmse;
+  message.anees_position = row.anees_position;
+  message.anees_state = row.anees_state;
+  message.coverage = row.coverage;
+  message.breaks = row.breaks;
+  message.id_switches = row.id_switches;
+}
+
+}  // namespace
+
 std::map<std::uint32_t, Eigen::Vector4d> motionsOf(const sightline::TrackArray& truth) {
   std::map<std::uint32_t, Eigen::Vector4d> motions;
   for (const sightline::Track& target : truth.tracks) {
@@ -34,17 +53,8 @@ bool isFused(const sightline::TrackArray& tracks) {
 
 sightline::EvaluationRow toMessage(const core::EvaluationRow& row) {
   sightline::EvaluationRow message;
-  message.topic = row.topic;
-  message.name = row.name;
-  message.samples = row.samples;
-  message.rmse = row.rmse;
+  copyCommon(row, message);
   message.relative_rmse = row.relative_rmse;
-  message.rate_rmse = row.rate_rmse;
-  message.anees_position = row.anees_position;
-  message.anees_state = row.anees_state;
-  message.coverage = row.coverage;
-  message.breaks = row.breaks;
-  message.id_switches = row.id_switches;
   message.unmatched = row.unmatched;
   message.gospa = row.gospa.distance();
   message.gospa_localisation = row.gospa.localisationCost();
@@ -65,17 +75,8 @@ sightline::EvaluationRow toMessage(const core::EvaluationRow& row) {
 
 sightline::EvaluationTarget toMessage(const core::TargetRow& row) {
   sightline::EvaluationTarget message;
-  message.topic = row.topic;
-  message.name = row.name;
+  copyCommon(row, message);
   message.target = row.target;
-  message.samples = row.samples;
-  message.rmse = row.rmse;
-  message.rate_rmse = row.rate_rmse;
-  message.anees_position = row.anees_position;
-  message.anees_state = row.anees_state;
-  message.coverage = row.coverage;
-  message.breaks = row.breaks;
-  message.id_switches = row.id_switches;
   return message;
 }
 
