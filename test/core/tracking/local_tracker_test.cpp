@@ -771,9 +771,13 @@ TEST_P(Abuse, LeavesTracksFiniteAndCovariancesPositiveDefinite) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Estimators, Abuse,
-                         testing::Values(EstimatorKind::twbls, EstimatorKind::noga, EstimatorKind::kalman,
-                                         EstimatorKind::imm));
+std::vector<EstimatorKind> everyKind() {
+  std::vector<EstimatorKind> kinds;
+  for (const EstimatorEntry& entry : estimatorTable()) kinds.push_back(entry.kind);
+  return kinds;
+}
+
+INSTANTIATE_TEST_SUITE_P(Estimators, Abuse, testing::ValuesIn(everyKind()));
 
 }  // namespace
 }  // namespace sightline::core
