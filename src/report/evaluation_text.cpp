@@ -146,7 +146,7 @@ std::string notesOn(const std::vector<EvaluationRow>& rows, double best_sigma,
   std::string silent, outside;
   for (const EvaluationRow& row : rows) {
     if (!wasHeard(row)) silent += " " + row.topic;
-    if (row.unjudged > 0) outside += " " + row.topic + " (" + std::to_string(row.unjudged) + ")";
+    if (row.unscored > 0) outside += " " + row.topic + " (" + std::to_string(row.unscored) + ")";
   }
   if (!silent.empty()) notes += "nothing heard on" + silent + "\n";
   if (!outside.empty()) notes += "messages for whose time no truth is known:" + outside + "\n";

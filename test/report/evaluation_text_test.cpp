@@ -123,7 +123,7 @@ TEST(EvaluationTable, NamesWhatWasNotHeardAndWhatHadNoTruth) {
   EvaluationRow silent = tracks(), outside = sightings();
   silent.topic = "/silent/tracks";
   silent.name = "";
-  outside.unjudged = 7;
+  outside.unscored = 7;
   const std::string table = evaluationTable({outside, silent}, kNaN);
   EXPECT_EQ(lineWith(table, "/silent/tracks"), "nothing heard on /silent/tracks");
   EXPECT_NE(table.find("/sensors/left/sightings (7)"), std::string::npos);

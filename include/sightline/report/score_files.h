@@ -3,7 +3,7 @@
 #include <fstream>
 #include <string>
 
-#include "sightline/core/evaluation/scores.h"
+#include "sightline/core/evaluation/score_listener.h"
 
 namespace sightline_ros {
 

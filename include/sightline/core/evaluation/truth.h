@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -22,6 +24,14 @@ struct TruthSample {
 struct TruthDirection {
   Time time{};
   Eigen::Vector2d angles = Eigen::Vector2d::Zero();
+};
+
+/// A target at the instant that is scored.
+struct TrueTarget {
+  std::uint32_t id = 0;
+  AngularState state;                                    ///< the truth, tracking frame, covariance zero
+  bool is_scored = true;                                 ///< false: its errors do not count yet
+  double age = std::numeric_limits<double>::infinity();  ///< how long it has been there without a gap [s]
 };
 
 /// Motion at `time` between two samples, by the cubic that has their positions and their rates (Hermite) in

@@ -8,7 +8,7 @@
 #include <rosbag/bag.h>
 #include <sightline/AssociationArray.h>
 
-#include "sightline/core/evaluation/scores.h"
+#include "sightline/core/evaluation/track_report.h"
 #include "sightline/ros/messages/frames.h"
 
 namespace sightline_ros {
