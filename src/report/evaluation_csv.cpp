@@ -6,10 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace sightline_ros {
-
-namespace core = sightline::core;
-
+namespace sightline::report {
 namespace {
 
 using core::EvaluationRow;
@@ -141,4 +138,4 @@ void writeEvaluationCsv(const std::string& path, const std::vector<EvaluationRow
   if (!stream.flush()) throw std::runtime_error(path + ": cannot be written");
 }
 
-}  // namespace sightline_ros
+}  // namespace sightline::report

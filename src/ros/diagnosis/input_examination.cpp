@@ -14,12 +14,14 @@
 #include "sightline/core/model/sighting.h"
 #include "sightline/core/model/sphere.h"
 #include "sightline/core/sensors/scatter.h"
-#include "sightline/report/plain_words.h"
+#include "sightline/report/value_text.h"
 #include "sightline/ros/messages/conversions.h"
 
 namespace sightline_ros {
 
 namespace core = sightline::core;
+using sightline::report::listOf;
+using sightline::report::valueOf;
 
 namespace {
 

@@ -6,13 +6,14 @@
 
 #include "sightline/core/model/chi_square.h"
 #include "sightline/core/model/sighting.h"
-#include "sightline/report/plain_words.h"
+#include "sightline/report/value_text.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/frames.h"
 
 namespace sightline_ros {
 
 namespace core = sightline::core;
+using sightline::report::valueOf;
 
 namespace {
 

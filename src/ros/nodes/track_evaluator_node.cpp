@@ -20,6 +20,7 @@
 namespace sightline_ros {
 
 namespace core = sightline::core;
+namespace report = sightline::report;
 
 namespace {
 
@@ -188,7 +189,7 @@ void TrackEvaluatorNode::everySecond() {
 }
 
 void TrackEvaluatorNode::printLive() {
-  const std::string summary = liveSummary(evaluation_.rows(), evaluation_.bestSigma(), elapsed());
+  const std::string summary = report::liveSummary(evaluation_.rows(), evaluation_.bestSigma(), elapsed());
   if (isatty(STDOUT_FILENO) != 0) {
     if (live_lines_ > 0) std::cout << "\033[" << live_lines_ << "A\033[J";  // over the last one
     live_lines_ = static_cast<int>(std::count(summary.begin(), summary.end(), '\n'));
@@ -199,12 +200,12 @@ void TrackEvaluatorNode::printLive() {
 std::string TrackEvaluatorNode::table() const {
   const std::vector<core::EvaluationRow> rows = evaluation_.rows();
   const std::vector<core::TargetRow> targets = evaluation_.targetRows();
-  EvaluationTableStyle style;
+  report::EvaluationTableStyle style;
   style.gospa = haveSeveralTargets(targets);
   std::ostringstream table;
-  table << "\nEvaluation of " << readable(elapsed()) << " s\n"
-        << evaluationTable(rows, evaluation_.bestSigma(), style) << livesTable(rows)
-        << (style.gospa ? targetTable(targets) : "");
+  table << "\nEvaluation of " << report::readable(elapsed()) << " s\n"
+        << report::evaluationTable(rows, evaluation_.bestSigma(), style) << report::livesTable(rows)
+        << (style.gospa ? report::targetTable(targets) : "");
   for (const auto& [reason, count] : dropped_)
     table << "dropped " << count << " messages on " << reason << "\n";
   return table.str();

@@ -53,16 +53,16 @@ class TruthPath {
     double age = 0.0;    ///< how long the target has been there without a gap [s]
   };
 
-  /// Between samples more than `largest_gap` apart the target is not there.
+  /// Between samples more than `largest_gap` apart the target does not exist.
   explicit TruthPath(Duration largest_gap) : largest_gap_(largest_gap) {}
 
-  /// Takes a sample; one that is late goes to its place, one of a time already known replaces it.
+  /// Adds a sample. A late one is put in its place, one of a known time replaces the sample of that time.
   void add(const TruthSample& sample);
 
-  /// Forgets what is not needed for times from `time` on.
+  /// Removes what is not needed for times from `time` on.
   void forgetBefore(Time time);
 
-  /// The target at `time`; nullopt when it is not there, or not known yet.
+  /// The target at `time`; nullopt when it does not exist then, or is not known yet.
   std::optional<Point> at(Time time) const;
 
   bool empty() const { return samples_.empty(); }
