@@ -6,12 +6,11 @@
 #include <limits>
 #include <stdexcept>
 
-#include "sightline/core/estimators.h"
+#include "sightline/core/estimators/estimators.h"
+#include "sightline/core/model/sphere.h"
 
 namespace sightline::bench {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Transition over h of one channel; a constant-velocity model forgets its acceleration.
 Eigen::Matrix3d transition(BaselineModel::Kind kind, double h) {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "sightline/core/estimator.h"
+#include "sightline/core/estimators/estimator.h"
 
 /// What the estimators are measured against: Kalman filters and interacting multiple models with settings
 /// that are told the amplitude, written apart from the core's so that neither hides the other's faults.

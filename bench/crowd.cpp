@@ -20,12 +20,12 @@
 #include <string>
 #include <sys/resource.h>
 
+#include "sightline/core/model/sphere.h"
+
 #include "processor_time.h"
 
 namespace sightline::bench {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Options {
   std::string table;

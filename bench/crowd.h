@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
-#include "sightline/core/local_tracker.h"
-#include "sightline/core/sighting.h"
+#include "sightline/core/model/sighting.h"
+#include "sightline/core/tracking/local_tracker.h"
 
 /// Many targets in clutter: recordings of them, simulated or read, and how a local tracker follows them.
 namespace sightline::bench {

@@ -1,7 +1,7 @@
 #include <set>
 
-#include "sightline/core/scores.h"
-#include "sightline/core/sphere.h"
+#include "sightline/core/evaluation/scores.h"
+#include "sightline/core/model/sphere.h"
 
 #include "crowd.h"
 #include "processor_time.h"
@@ -33,8 +33,8 @@ CrowdFigures follow(const CrowdRecording& recording, const core::LocalTrackerPar
   core::LocalTracker tracker(params);
   core::TrackScore score("tracks", core::Channels::azimuth_and_elevation, core::GospaParams{kCutoff, 2.0});
   std::map<std::uint32_t, Life> lives;
-  core::JudgementListener listener;
-  listener.pair = [&](const core::JudgedPair& pair) { ++lives[pair.track].on_target; };
+  core::ScoreListener listener;
+  listener.pair = [&](const core::ScoredPair& pair) { ++lives[pair.track].on_target; };
   CrowdFigures figures;
   for (std::size_t k = 0; k < recording.scans.size(); ++k) {
     const double before = processorTime();

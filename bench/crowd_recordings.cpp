@@ -5,14 +5,12 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "sightline/core/sphere.h"
+#include "sightline/core/model/sphere.h"
 
 #include "crowd.h"
 
 namespace sightline::bench {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 std::vector<std::vector<std::string>> readRows(const std::string& file, std::size_t columns) {
   std::ifstream stream(file);

@@ -14,10 +14,10 @@
 #include <memory>
 #include <string>
 
-#include "sightline/core/estimators.h"
-#include "sightline/core/local_tracker.h"
-#include "sightline/core/track_fusion.h"
-#include "sightline/core/tracklet_builder.h"
+#include "sightline/core/estimators/estimators.h"
+#include "sightline/core/fusion/track_fusion.h"
+#include "sightline/core/tracking/local_tracker.h"
+#include "sightline/core/tracking/tracklet_builder.h"
 
 #include "scenarios.h"
 

@@ -13,8 +13,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "sightline/core/estimator.h"
-#include "sightline/core/track_fusion.h"
+#include "sightline/core/estimators/estimator.h"
+#include "sightline/core/fusion/track_fusion.h"
 
 #include "paper_benchmark.h"
 

@@ -8,9 +8,9 @@
 #include <set>
 #include <string>
 
-#include "sightline/core/assignment.h"
-#include "sightline/core/random_stream.h"
-#include "sightline/core/tracklet_builder.h"
+#include "sightline/core/association/assignment.h"
+#include "sightline/core/simulation/random_stream.h"
+#include "sightline/core/tracking/tracklet_builder.h"
 
 #include "processor_time.h"
 

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "sightline/core/local_tracker.h"
-#include "sightline/core/track_fusion.h"
+#include "sightline/core/fusion/track_fusion.h"
+#include "sightline/core/tracking/local_tracker.h"
 
 /// Many targets that cross, seen by several biased sensors, each with a tracker of its own; and what a fusion
 /// makes of it.

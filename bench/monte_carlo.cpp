@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "sightline/core/sphere.h"
+#include "sightline/core/model/sphere.h"
 
 #include "parallel.h"
 #include "tables.h"

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/core/noga.h"
+#include "sightline/core/estimators/noga.h"
 
 #include "paper_benchmark.h"
 

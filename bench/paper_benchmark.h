@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "sightline/core/estimator.h"
+#include "sightline/core/estimators/estimator.h"
 
 /// The paper's benchmark: azimuth = sin t, elevation = cos t (amplitude 1 rad), sighted for 10 s at 10 to 50
 /// ms.

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/core/sphere.h"
+#include "sightline/core/model/sphere.h"
 
 namespace sightline::bench {
 namespace {

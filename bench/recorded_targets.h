@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "sightline/core/model/sphere.h"
+
 #include "recordings.h"
 
 /// The recordings of the accuracy table: one target's sightings, stretch by stretch.
 namespace sightline::bench {
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// One line of the table.
 struct Recorded {

@@ -18,12 +18,11 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/core/estimators.h"
+#include "sightline/core/estimators/estimators.h"
+#include "sightline/core/model/sphere.h"
 
 namespace sightline::bench {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 std::vector<std::pair<const char*, core::EstimatorParams>> estimators() {
   using core::EstimatorForm;

@@ -14,9 +14,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "sightline/core/chart.h"
-#include "sightline/core/estimator.h"
-#include "sightline/core/sighting.h"
+#include "sightline/core/estimators/estimator.h"
+#include "sightline/core/model/chart.h"
+#include "sightline/core/model/sighting.h"
 
 /// Recorded sightings of one target, sensor by sensor, and an estimator run over them in a closed loop.
 namespace sightline::bench {

@@ -9,8 +9,8 @@
 
 #include <Eigen/Core>
 
-#include "sightline/core/estimator.h"
-#include "sightline/core/random_stream.h"
+#include "sightline/core/estimators/estimator.h"
+#include "sightline/core/simulation/random_stream.h"
 
 /// Targets and their sightings for the Monte-Carlo tables: the eight scenarios of section 7.1, six of our
 /// own, one sensor or six. Ten seconds each, in ticks of 10 ms, amplitude 1 rad on a flat chart unless

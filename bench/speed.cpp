@@ -10,8 +10,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "sightline/core/estimators.h"
-#include "sightline/core/local_tracker.h"
+#include "sightline/core/estimators/estimators.h"
+#include "sightline/core/tracking/local_tracker.h"
 
 #include "paper_benchmark.h"
 

@@ -29,9 +29,9 @@
 
 #include <Eigen/Cholesky>
 
-#include "sightline/core/assignment.h"
-#include "sightline/core/random_stream.h"
-#include "sightline/core/spot_detector.h"
+#include "sightline/core/association/assignment.h"
+#include "sightline/core/imaging/spot_detector.h"
+#include "sightline/core/simulation/random_stream.h"
 
 namespace sightline::bench {
 namespace {

@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "sightline/core/metrics.h"
+#include "sightline/core/evaluation/metrics.h"
 
 #include "monte_carlo.h"
 #include "tables.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/core/local_tracker.h"
+#include "sightline/core/tracking/local_tracker.h"
 
 #include "monte_carlo.h"
 #include "parallel.h"

@@ -13,7 +13,7 @@
 
 #include <Eigen/LU>
 
-#include "sightline/core/estimators.h"
+#include "sightline/core/estimators/estimators.h"
 
 #include "paper_benchmark.h"
 #include "tables.h"

@@ -22,7 +22,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "sightline/core/estimators.h"
+#include "sightline/core/estimators/estimators.h"
 
 #include "monte_carlo.h"
 #include "parallel.h"

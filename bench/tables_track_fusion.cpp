@@ -13,9 +13,9 @@
 
 #include <Eigen/Cholesky>
 
-#include "sightline/core/local_tracker.h"
-#include "sightline/core/track_fusion.h"
-#include "sightline/core/tracklet_builder.h"
+#include "sightline/core/fusion/track_fusion.h"
+#include "sightline/core/tracking/local_tracker.h"
+#include "sightline/core/tracking/tracklet_builder.h"
 
 #include "monte_carlo.h"
 #include "parallel.h"

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <memory>
 
-#include "sightline/core/kalman.h"
-#include "sightline/core/twbls.h"
+#include "sightline/core/estimators/kalman.h"
+#include "sightline/core/estimators/twbls.h"
 
 #include "fusion_benchmark.h"
 

@@ -1,12 +1,12 @@
 #include <pluginlib/class_list_macros.hpp>
 
-#include "sightline/ros/local_tracker_node.h"
-#include "sightline/ros/nodelet_of.h"
-#include "sightline/ros/sensor_simulator_node.h"
-#include "sightline/ros/track_display_node.h"
-#include "sightline/ros/track_evaluator_node.h"
-#include "sightline/ros/track_fusion_node.h"
-#include "sightline/ros/truth_publisher_node.h"
+#include "sightline/ros/nodes/local_tracker_node.h"
+#include "sightline/ros/nodes/nodelet_of.h"
+#include "sightline/ros/nodes/sensor_simulator_node.h"
+#include "sightline/ros/nodes/track_display_node.h"
+#include "sightline/ros/nodes/track_evaluator_node.h"
+#include "sightline/ros/nodes/track_fusion_node.h"
+#include "sightline/ros/nodes/truth_publisher_node.h"
 
 namespace sightline_ros {
 

@@ -1,8 +1,8 @@
 #include <pluginlib/class_list_macros.hpp>
 
-#include "sightline/ros/nodelet_of.h"
-#include "sightline/ros/sighting_adapter_node.h"
-#include "sightline/ros/spot_detector_node.h"
+#include "sightline/ros/adapters/sighting_adapter_node.h"
+#include "sightline/ros/adapters/spot_detector_node.h"
+#include "sightline/ros/nodes/nodelet_of.h"
 
 namespace sightline_ros {
 

@@ -1,6 +1,6 @@
-#include "sightline/ros/track_evaluator_node.h"
+#include "sightline/ros/nodes/track_evaluator_node.h"
 
-#include "sightline/ros/run_node.h"
+#include "sightline/ros/nodes/run_node.h"
 
 int main(int argc, char** argv) {
   return sightline_ros::runNode<sightline_ros::TrackEvaluatorNode>(argc, argv, "track_evaluator");

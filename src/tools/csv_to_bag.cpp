@@ -2,8 +2,8 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "sightline/ros/command_line.h"
-#include "sightline/ros/csv_recordings.h"
+#include "sightline/report/command_line.h"
+#include "sightline/ros/recordings/csv_recordings.h"
 
 namespace {
 

@@ -4,8 +4,8 @@
 
 #include <ros/ros.h>
 
-#include "sightline/ros/command_line.h"
-#include "sightline/ros/input_doctor.h"
+#include "sightline/report/command_line.h"
+#include "sightline/ros/diagnosis/input_doctor.h"
 
 namespace {
 

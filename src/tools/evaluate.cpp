@@ -9,8 +9,8 @@
 
 #include <ros/package.h>
 
-#include "sightline/ros/bag_evaluation.h"
-#include "sightline/ros/command_line.h"
+#include "sightline/report/command_line.h"
+#include "sightline/ros/recordings/bag_evaluation.h"
 
 namespace {
 

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "sightline/ros/command_line.h"
-#include "sightline/ros/param_reader.h"
-#include "sightline/ros/scenario_params.h"
+#include "sightline/report/command_line.h"
+#include "sightline/ros/params/param_reader.h"
+#include "sightline/ros/params/scenario_params.h"
 
 namespace {
 

@@ -1,10 +1,10 @@
-#include "sightline/ros/replay.h"
+#include "sightline/ros/recordings/replay.h"
 
 #include <chrono>
 #include <cstdio>
 #include <iostream>
 
-#include "sightline/ros/command_line.h"
+#include "sightline/report/command_line.h"
 
 namespace {
 

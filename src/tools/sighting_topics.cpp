@@ -5,8 +5,8 @@
 #include <rosbag/view.h>
 #include <sightline/SightingArray.h>
 
-#include "sightline/ros/bags.h"
-#include "sightline/ros/command_line.h"
+#include "sightline/report/command_line.h"
+#include "sightline/ros/recordings/bags.h"
 
 namespace {
 

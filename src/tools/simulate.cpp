@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "sightline/ros/bags.h"
-#include "sightline/ros/command_line.h"
-#include "sightline/ros/param_reader.h"
-#include "sightline/ros/scenario_params.h"
-#include "sightline/ros/simulated_recording.h"
+#include "sightline/report/command_line.h"
+#include "sightline/ros/params/param_reader.h"
+#include "sightline/ros/params/scenario_params.h"
+#include "sightline/ros/recordings/bags.h"
+#include "sightline/ros/recordings/simulated_recording.h"
 
 namespace {
 

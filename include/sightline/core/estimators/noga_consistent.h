@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sightline/core/estimators/estimator.h"
+#include "sightline/core/estimators/harmonic_motion.h"
+#include "sightline/core/estimators/mode_chain.h"
+#include "sightline/core/estimators/noise_learning.h"
+#include "sightline/core/estimators/sighting_noise.h"
+
+namespace sightline::core {
+
+/// How a target may answer: one model of the bank. Quantities that have the angle in them are for an
+/// amplitude of 1 rad.
+struct ResponseModel {
+  enum class Kind { straight, harmonic, fixed_harmonic, fading };
+  Kind kind = Kind::straight;
+  double q = 1.0;  ///< density of white acceleration [rad^2/s^3] (straight) or white jerk [rad^2/s^5], >= 0
+  double q_kappa = 0.0;     ///< density of the drift of kappa [1/s^5] (harmonic), >= 0
+  double kappa = 0.0;       ///< the known kappa [1/s^2] (fixed_harmonic)
+  double fade = 1.0;        ///< time constant of the acceleration [s] (fading), > 0
+  double attraction = 1.0;  ///< in proportion to which it is probable at first and gone over to, > 0
+};
+
+/// The default bank, free of scale.
+std::vector<ResponseModel> defaultResponseModels();
+
+struct NogaConsistentParams {
+  /// 1 to kMaxModes models, chosen on the scenarios of section 7.1 and on recordings of fireballs and a
+  /// drone: straight flight from dead calm to hard turns at the scale of the sensor; harmonic motion, calm
+  /// and lively, with the seed of fast oscillation (section 4.3); manoeuvres that fade. Harmonic motion
+  /// attracts, as it pays for its parameters late; its seed does not, as two or three sightings may look like
+  /// an oscillation.
+  std::vector<ResponseModel> models = defaultResponseModels();
+  double amplitude =
+      0.0;  ///< that 1 rad of the bank stands for [rad]; 0 = ten sigmas of the sightings: free of scale
+  double initial_rate_sigma = 0.3;  ///< of each rate before the second sighting [rad/s], > 0
+  double dwell = 60.0;              ///< mean time between changes of the model [s], > 0
+  double outlier_share = 0.01;      ///< of sightings that are not the target's, in [0, 1)
+  double outlier_width = 4.0;       ///< over which they lie, in amplitudes, > 0
+  NoiseLearningParams noise;        ///< what the sightings' noise really is
+};
+
+/// The settings of section 4.3 to the letter: six models for an amplitude of 1 rad, the sightings' noise as
+/// stated.
+NogaConsistentParams bankOfSection43();
+
+/// NOGA, form `consistent` (section 4.3): the uncertainty reduction (20)-(23) run as a recursion, with the
+/// process noise and the coefficient of the auto-regression among the parameters, in a bank of interacting
+/// response models with one mode chain for azimuth and elevation.
+///
+/// With parameters a = (state, process noise), C_a = blkdiag(P, Q), S = H [F, I] and C_p = 0 the reduction
+/// followed by the propagation is the Kalman recursion; it is carried out in that form (a test holds the two
+/// equal). The channels stay apart, as cheap as two small filters, until a sighting couples them.
+///
+/// Each model learns the scale of the sightings' noise for itself (S-11), channel by channel: a model that
+/// explains the innovations by calm sightings and a lively target competes with one that explains them by the
+/// opposite.
+class NogaConsistentEstimator final : public Estimator {
+ public:
+  /// Throws std::invalid_argument for a parameter out of range.
+  explicit NogaConsistentEstimator(const NogaConsistentParams& params);
+
+  std::unique_ptr<Estimator> clone() const override;
+  void update(const Measurement& measurement) override;
+  std::optional<AngularState> stateAt(Time time) const override;
+  Eigen::Vector2d noiseScale() const override;
+  void rotate(const Eigen::Matrix3d& R_new_old) override;
+
+  /// Probability of each model by the sightings so far.
+  const ModeArray& probabilities() const { return chain_.probabilities(); }
+
+ private:
+  /// One model's belief: for each channel (x, v, a, kappa), the covariance of the azimuth's with the
+  /// elevation's, and the variance of the sightings over the stated one.
+  struct Belief {
+    Eigen::Vector4d mean[2] = {Eigen::Vector4d::Zero(), Eigen::Vector4d::Zero()};
+    Eigen::Matrix4d covariance[2] = {Eigen::Matrix4d::Zero(), Eigen::Matrix4d::Zero()};
+    Eigen::Matrix4d cross = Eigen::Matrix4d::Zero();
+    Eigen::Vector2d noise = Eigen::Vector2d::Ones();
+  };
+  using Beliefs = std::array<Belief, kMaxModes>;
+
+  NogaConsistentEstimator(const NogaConsistentEstimator&) = default;
+  int modes() const { return static_cast<int>(params_.models.size()); }
+  double amplitude(int channel, double noise) const;
+  void start(const Measurement& measurement);
+  Beliefs expected(double h) const;
+  Belief mixtureOfAll() const;
+  template <int N>
+  void blend(double share, const Belief& own, const Belief& other, Belief& mixed) const;
+  void stepStraight(Belief& belief, const ResponseModel& model, double h) const;
+  void stepHarmonic(Belief& belief, const ResponseModel& model, double h) const;
+  void stepLinear(Belief& belief, const ResponseModel& model, double h) const;
+  double reduce(Belief& belief, const Measurement& measurement, bool is_straight) const;
+  template <int N>
+  double reduceChannel(Belief& belief, int channel, double position, double variance,
+                       double& distance_squared) const;
+  double reduceCoupled(Belief& belief, const Measurement& measurement,
+                       Eigen::Vector2d& distances_squared) const;
+  double takenShare(double log_likelihood, double log_outlier_density, double& log_mixture) const;
+  double logOutlierDensity(int channel, double noise, double D) const;
+  void learnNoise(Belief& belief, const Eigen::Vector2d& distances_squared) const;
+  AngularState moments(const ModeArray& weights, const Beliefs& beliefs) const;
+
+  NogaConsistentParams params_;
+  ModeChain chain_;
+  std::optional<Time> time_;  // of the last sighting
+  Beliefs beliefs_;           // then, by each model
+  SightingNoise sighting_noise_;
+  NoiseLearning noise_learning_;
+  bool coupled_ = false;  // whether `cross` is kept
+};
+
+}  // namespace sightline::core

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cmath>
+
+namespace sightline::core {
+
+/// How the scale of the sightings' noise is learnt.
+struct NoiseLearningParams {
+  bool enabled = true;      ///< false: the stated covariances are taken at their word
+  double memory = 1.5;      ///< over which the sightings count [s], > 0
+  double trust = 2.0;       ///< sightings that the stated covariance counts for at first, > 0
+  double min_scale = 1e-3;  ///< least variance over the stated one, in (0, 1]
+  double max_scale = 1e2;   ///< largest, >= 1
+};
+
+/// The variance s^2 of the sightings' white noise over the stated one, integrated out (S-11): an inverse
+/// gamma distribution whose mean each competing model of the motion keeps for itself and for each channel,
+/// while its weight, which is kept here, is common to all. A model of gain q / R has the same gain at every
+/// s^2, so that learning s^2 scales its covariances and leaves its estimate as it is.
+class NoiseLearning {
+ public:
+  /// Throws std::invalid_argument for a parameter out of range.
+  explicit NoiseLearning(const NoiseLearningParams& params);
+
+  /// A sighting comes `h` seconds after the last one. The first few tell of the rate alone.
+  void next(double h);
+
+  /// Log density of one channel's innovation, given its square over S and log S: Student's t, or the normal
+  /// one where nothing is learnt.
+  double logDensity(double distance_squared, double log_S) const {
+    if (!params_.enabled) return -0.5 * (distance_squared + log_S + kLog2Pi);
+    return -0.5 * (log_S + kLog2Pi) - (weight_ + 0.5) * std::log1p(distance_squared / (2.0 * weight_));
+  }
+
+  /// The scale after a sighting, given the one before and the squared innovation over S with it.
+  double learnt(double scale, double distance_squared) const;
+
+ private:
+  static constexpr double kLog2Pi = 1.8378770664093454836;
+
+  NoiseLearningParams params_;
+  double weight_;  // a of the inverse gamma distribution of one channel
+  int sightings_ = 0;
+};
+
+}  // namespace sightline::core

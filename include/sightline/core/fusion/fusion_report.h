@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "sightline/core/model/time.h"
+#include "sightline/core/model/track.h"
+#include "sightline/core/sensors/sensor_guard.h"
+
+namespace sightline::core {
+
+/// How local tracks of one target become one; the rules for estimates are in fusion_rules.h.
+enum class FusionRule {
+  best,                             ///< the best that the inputs allow, decided for each track at each fusion
+  tracklets,                        ///< an estimator of the global track's own, on its supporters' tracklets
+  cross_covariance,                 ///< Bar-Shalom and Campo, maximum likelihood for more than two
+  weighted_covariance,              ///< the paper's: errors taken as independent
+  covariance_intersection,          ///< whatever the correlation is
+  inverse_covariance_intersection,  ///< for sources that know something in common
+};
+
+/// All of them, in that order.
+const std::vector<FusionRule>& fusionRules();
+
+/// The name as it is written above.
+std::string nameOf(FusionRule rule);
+
+/// A local track's part in a global one: the fields of sightline/SourceTrack.
+struct SourceTrack {
+  std::string tracker;
+  std::uint32_t id = 0;
+  double weight = 0.0;  ///< share in the fused position, in [0, 1]; 0 when left out
+  /// Normalised distance squared from the other local tracks of the global track [1]; NaN = there are none.
+  double distance_squared = std::numeric_limits<double>::quiet_NaN();
+  double age = 0.0;    ///< by how much the track was predicted to the common time [s]
+  std::string reason;  ///< only when left out: "kind: details"
+};
+
+/// A global track and what it was made of.
+struct FusedTrack {
+  Track track;  ///< `sources` are the names of the trackers that contribute
+  FusionRule rule = FusionRule::weighted_covariance;  ///< that was applied
+  std::string why_not_tracklets;       ///< when the rule was to be the best one, and tracklets were not
+  std::vector<SourceTrack> sources;    ///< that contributed, by tracker name; none: the state is a prediction
+  std::vector<SourceTrack> left_out;   ///< that belong to the target and were not used
+  std::vector<WatchedSensor> sensors;  ///< whose tracklets are watched, and what is thought of them
+  std::vector<SensorChange> sensor_changes;  ///< of that, noticed with this report
+};
+
+/// All global tracks at one instant.
+struct FusionReport {
+  Time time{};                     ///< at which every state is valid: the newest stamp of the local reports
+  std::vector<FusedTrack> tracks;  ///< ascending id
+  std::vector<SourceTrack> left_out;  ///< local tracks that belong to no global one
+  /// Why the report that was handed in was not used ("kind: details"); the rest is then as it was before.
+  /// Empty when used.
+  std::string refusal;
+};
+
+}  // namespace sightline::core

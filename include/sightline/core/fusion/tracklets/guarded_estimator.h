@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/core/estimators/charted_estimator.h"
+#include "sightline/core/estimators/estimators.h"
+#include "sightline/core/model/sphere.h"
+#include "sightline/core/model/time.h"
+#include "sightline/core/model/tracklet.h"
+#include "sightline/core/sensors/sensor_guard.h"
+
+namespace sightline::core {
+
+/// An estimator that is given tracklets of several sensors in order of time, and watches those sensors: on an
+/// alarm (section 5.1) it goes back to when the change began and on from there as if it had known. As a
+/// sensor that is off pulls the estimate with it and makes the others look wrong, the one is blamed without
+/// which all that was seen since is the likeliest. Plain state: what it is depends on what it was given and
+/// on nothing else. Copies are independent.
+class GuardedEstimator {
+ public:
+  /// Gives a tracklet that was taken before, so many takes ago; 1 = the last one.
+  using Past = std::function<const Tracklet&(std::size_t back)>;
+
+  /// `keep`: for how long it is to remember how much each tracklet counted, beyond what going back needs [s].
+  /// Throws std::invalid_argument for parameters out of range.
+  GuardedEstimator(const EstimatorParams& estimator, const GuardParams& guard, double keep);
+
+  GuardedEstimator(const GuardedEstimator&) = default;
+  GuardedEstimator(GuardedEstimator&&) = default;
+  GuardedEstimator& operator=(GuardedEstimator&&) = default;
+  GuardedEstimator& operator=(const GuardedEstimator&) = delete;
+  ~GuardedEstimator() = default;
+
+  /// Takes the next tracklet, not older than the last. `past` must reach back over `reach()` tracklets.
+  void take(const Tracklet& next, const Past& past);
+
+  /// Motion expected at `time`, in the tracking frame's angles; nullopt before the first tracklet.
+  std::optional<AngularState> stateAt(Time time) const;
+
+  /// Factor on the stated covariance with which the tracklet taken so many takes ago counts; infinity = it
+  /// does not.
+  double noiseScale(std::size_t back) const;
+
+  /// How many of the tracklets taken may be needed again.
+  std::size_t reach() const { return scales_.size(); }
+
+  /// The sensors seen lately that were held against others.
+  std::vector<WatchedSensor> sensors() const;
+
+  /// Whether anything is held against any sensor: a noise scale other than 1.
+  bool holdsAnything() const { return guard_.holdsAnything(); }
+
+  /// Whether enough sensors are in use to tell which of them is to blame.
+  bool decides() const;
+
+  /// The last changes of a sensor's verdict, oldest first.
+  const std::vector<SensorChange>& changes() const { return changes_; }
+
+ private:
+  struct Settings {
+    EstimatorParams estimator;
+    GuardParams guard;
+    double keep;  // [s]
+  };
+  struct Seen {
+    std::string sensor;
+    Time last;
+    Eigen::Vector2d innovation = Eigen::Vector2d::Zero();  // mean of the last ones, in the chart [rad]
+  };
+  /// What it was before a tracklet, without what lies further back.
+  struct Moment {
+    Time time;          // of that tracklet
+    Time last;          // of the one before
+    std::size_t taken;  // tracklets before
+    std::optional<ChartedEstimator> estimator;
+    SensorGuard guard;
+    std::vector<Seen> seen;
+  };
+
+  void keepMoment(Time next);
+  void watch(const Tracklet& tracklet);
+  void note(const SensorChange& change);
+  std::size_t momentAt(Time time) const;
+  Time rollBackTo(const SensorChange& change) const;
+  bool isToBlame(const SensorChange& change, const Past& past) const;
+  double evidenceAgainst(const std::string& sensor, Time began, const Past& past) const;
+  void goBack(const Tracklet& next, const SensorChange& change, const Past& past);
+  void restore(const Moment& moment);
+  void see(const Tracklet& tracklet);
+  void settle(const Tracklet& tracklet, double noise_scale);
+  Corroboration corroborationOf(const Tracklet& tracklet) const;
+
+  std::shared_ptr<const Settings> settings_;
+  std::optional<ChartedEstimator> estimator_;
+  SensorGuard guard_;
+  std::vector<Seen> seen_;
+  std::vector<SensorChange> changes_;
+  std::size_t taken_ = 0;                              // tracklets
+  Time last_{};                                        // of them
+  std::deque<double> scales_;                          // with which the last of them were used
+  std::deque<std::shared_ptr<const Moment>> moments_;  // `scales_` begin with the first
+};
+
+}  // namespace sightline::core

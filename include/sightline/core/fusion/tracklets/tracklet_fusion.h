@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/core/estimators/estimators.h"
+#include "sightline/core/fusion/global_track.h"
+#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/tracklets/tracklet_memory.h"
+#include "sightline/core/fusion/tracklets/tracklet_track.h"
+#include "sightline/core/model/time.h"
+#include "sightline/core/sensors/sensor_guard.h"
+
+namespace sightline::core {
+
+struct TrackletFusionParams {
+  EstimatorParams estimator;  ///< of the global tracks
+  double max_lag = 1.0;  ///< tracklets up to so much older than the newest are put in their place [s], > 0
+  double memory = 1.0;   ///< time that counts for `max_missing` [s], > 0
+  /// Share of what the sources have sighted within `memory` that may be lost before other rules know more, in
+  /// [0, 1].
+  double max_missing = 0.25;
+  GuardParams guard;  ///< of each global track's sensors
+};
+
+/// A global track's state from its supporters' tracklets. Each sensor's come from one supporter at a time, so
+/// that a sensor that is in two local tracks counts once.
+class TrackletFusion {
+ public:
+  explicit TrackletFusion(const TrackletFusionParams& params);
+
+  /// Takes what is new in the tracklets of the supporter, up to its last report of tracks, with which it was
+  /// found to support the target.
+  void feed(const Supporter& supporter, const TrackletMemory& memory);
+
+  /// What the supporter said before then was of another target, and is never taken.
+  void passOver(const LocalKey& supporter, Time before, const TrackletMemory& memory);
+
+  /// Takes back what the supporter said since then; a later `feed` may bring it again.
+  void takeBack(const LocalKey& supporter, Time since);
+
+  /// The supporter is gone: others may speak for its sensors. What it said stays.
+  void leave(const LocalKey& supporter);
+
+  /// What all tracklets up to `time` say, in the tracking frame; nullopt without any.
+  std::optional<AngularState> stateAt(Time time) { return track_.stateAt(time); }
+
+  /// Each supporter's share in the information of the last moments, summing to one; of those that gave any.
+  std::map<LocalKey, double> shares() const;
+
+  /// The sensors heard lately and what is thought of them, by name.
+  std::vector<WatchedSensor> sensors() const { return track_.sensors(); }
+
+  /// Changes of verdicts that have not been told yet.
+  std::vector<SensorChange> newChanges() { return track_.newChanges(); }
+
+  /// Whether a source that contradicts the others can be left to the guard.
+  bool canTellWhoIsWrong() const { return track_.canTellWhoIsWrong(); }
+
+  /// Why nothing that the supporter says is used ("biased: details"): all its sensors are off, by not so much
+  /// that it must be another target. Empty when it is used.
+  std::string whyExcluded(const LocalKey& supporter) const;
+
+  /// By how much the variances of the supporter's track are to be taken larger, as its sensors are noisier
+  /// than they state; >= 1.
+  double noiseScale(const LocalKey& supporter) const;
+
+  std::size_t late() const { return late_; }  ///< tracklets that came too late to be used
+
+ private:
+  struct Owner {
+    LocalKey supporter;
+    Time newest{};  ///< of its tracklets of the sensor
+  };
+
+  std::vector<WatchedSensor> sensorsOf(const LocalKey& supporter) const;
+  bool speaksFor(const LocalKey& supporter, const Tracklet& tracklet);
+
+  TrackletTrack track_;
+  std::map<LocalKey, std::uint64_t> fed_;  // by supporter: number of the last tracklet taken
+  std::map<std::string, Owner> owners_;    // by sensor
+  std::size_t late_ = 0;
+};
+
+/// Why the tracklets of these supporters are not good enough to rely on; empty when they are: everyone sends
+/// them, up to date, and little was lost.
+std::string whyIncomplete(const std::vector<const Supporter*>& supporters, const TrackletMemory& memory,
+                          const TrackletFusionParams& params);
+
+}  // namespace sightline::core

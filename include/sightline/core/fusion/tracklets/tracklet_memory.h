@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/model/time.h"
+#include "sightline/core/model/tracklet.h"
+
+namespace sightline::core {
+
+struct TrackletMemoryParams {
+  double age = 2.0;       ///< tracklets are remembered for so long [s], > 0
+  int max_trackers = 32;  ///< reports of further trackers are refused, >= 1
+};
+
+/// What the local trackers have said in tracklets lately, and what of it was lost on the way.
+class TrackletMemory {
+ public:
+  /// A tracklet with its place among all that its tracker has said: rising, never used again.
+  struct Remembered {
+    std::uint64_t number = 0;
+    Tracklet tracklet;
+  };
+
+  explicit TrackletMemory(const TrackletMemoryParams& params) : params_(params) {}
+
+  /// Takes a report. Returns why it was refused ("kind: details"), or nothing. One that says it is its
+  /// tracker's first, and was not overtaken by later ones, wipes out what was known of the tracker.
+  std::string take(const TrackletReport& report);
+
+  /// What is remembered of a local track, in the order in which it came; null when nothing is.
+  const std::deque<Remembered>* find(const LocalKey& key) const;
+
+  /// Up to when the tracker has said everything; nullopt when it sends no tracklets.
+  std::optional<Time> newest(const std::string& tracker) const;
+
+  /// How much of the time from `from` to the tracker's newest report nothing is known of, as reports were
+  /// lost or came before this memory began [s].
+  double missing(const std::string& tracker, Time from) const;
+
+ private:
+  struct Gap {
+    Time from, to;
+  };
+  struct Tracker {
+    Time newest{};
+    std::vector<Gap> gaps;  // in order of time; nothing was heard of what was sighted in them
+    std::map<std::uint32_t, std::deque<Remembered>> tracks;
+  };
+
+  void noteSpan(Tracker& tracker, bool is_known, const TrackletReport& report) const;
+  void forgetOld(Tracker& tracker) const;
+
+  TrackletMemoryParams params_;
+  std::map<std::string, Tracker> trackers_;
+  std::uint64_t next_number_ = 1;
+};
+
+}  // namespace sightline::core

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sightline/core/estimators/estimators.h"
+#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/tracklets/guarded_estimator.h"
+#include "sightline/core/model/sphere.h"
+#include "sightline/core/model/time.h"
+#include "sightline/core/model/tracklet.h"
+#include "sightline/core/sensors/sensor_guard.h"
+
+namespace sightline::core {
+
+/// One target as an estimator sees it that is given the tracklets of all its sources, each in its place in
+/// time: for a late one it goes back and runs again from there, so that the order of arrival changes nothing,
+/// to the last bit. Its sensors are watched: what one of them said since it is noisy or biased counts less or
+/// not at all (section 5.1).
+class TrackletTrack {
+ public:
+  /// `max_lag`: tracklets up to so much older than the newest are put in their place [s], >= 0.
+  TrackletTrack(const EstimatorParams& estimator, double max_lag, const GuardParams& guard = {});
+
+  TrackletTrack(TrackletTrack&&) = default;
+  TrackletTrack& operator=(TrackletTrack&&) = default;
+  TrackletTrack(const TrackletTrack&) = delete;
+  TrackletTrack& operator=(const TrackletTrack&) = delete;
+  ~TrackletTrack() = default;
+
+  /// Takes a tracklet of a local track, the `number`-th that its tracker said. One that is here already is
+  /// not taken again. False when it is too late.
+  bool add(const LocalKey& source, std::uint64_t number, const Tracklet& tracklet);
+
+  /// Forgets what a source said since then, as far back as `max_lag` allows. Returns the least number of
+  /// those forgotten.
+  std::optional<std::uint64_t> remove(const LocalKey& source, Time since);
+
+  /// What the tracklets up to `time` say of the target then, in the tracking frame; nullopt before the first.
+  /// Times do not go back.
+  std::optional<AngularState> stateAt(Time time);
+
+  /// How much information each source has given since `max_lag` ago, as it was used [1/rad^2].
+  std::map<LocalKey, double> informationBySource() const;
+
+  /// The sensors seen lately and what is thought of them.
+  std::vector<WatchedSensor> sensors() const { return estimator_.sensors(); }
+
+  /// Whether anything is held against any sensor.
+  bool holdsAnything() const { return estimator_.holdsAnything(); }
+
+  /// Whether enough sensors are in use to tell which of them is to blame for a disagreement.
+  bool canTellWhoIsWrong() const { return estimator_.decides(); }
+
+  /// Changes of verdicts that have not been told yet.
+  std::vector<SensorChange> newChanges();
+
+ private:
+  struct Entry {
+    LocalKey source;
+    std::uint64_t number;
+    Tracklet tracklet;
+    std::unique_ptr<GuardedEstimator> before;  // kept now and then
+  };
+
+  void goBackTo(std::size_t entry);
+  bool isSnapshotDue() const;
+  void forgetOld();
+
+  double max_lag_;                  // [s]
+  std::vector<Entry> entries_;      // in order of time; the first open one has its snapshot, if it was taken
+  std::size_t open_ = 0;            // from this entry on others can be put between
+  std::size_t taken_ = 0;           // that many of the entries are in ...
+  GuardedEstimator estimator_;      // ... this
+  std::optional<Time> closed_;      // before this nothing can be put any more
+  std::vector<SensorChange> told_;  // changes
+};
+
+}  // namespace sightline::core

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sightline/core/model/time.h"
+#include "sightline/core/model/tracklet.h"
+#include "sightline/core/tracking/local_tracker.h"
+
+namespace sightline::core {
+
+struct TrackletParams {
+  bool enabled = true;
+  double interval = 0.0;  ///< time between reports [s], >= 0; 0 = with every scan
+  CompressionParams compression;
+};
+
+/// Collects what a local tracker's tracks take, and says it as tracklets. Those of tentative tracks too, so
+/// that a fusion which hears of a track knows all that the track knows. A late sighting makes a later
+/// tracklet.
+class TrackletBuilder {
+ public:
+  /// Throws std::invalid_argument for a parameter out of range.
+  explicit TrackletBuilder(const TrackletParams& params);
+
+  /// Takes a scan in the tracking frame, with what the tracker made of it. Returns a report (without the
+  /// tracker's name) when one is due: when it would be overdue by the next scan, if that comes as soon as
+  /// this one did.
+  std::optional<TrackletReport> onScan(const Scan& scan, const ScanReport& tracked);
+
+  /// What waits since `interval` before `now`, as no further scan came.
+  std::optional<TrackletReport> onTime(Time now);
+
+ private:
+  using Key = std::pair<std::uint32_t, std::string>;  // track and sensor
+
+  void collect(const Scan& scan, const ScanReport& tracked);
+  TrackletReport report();
+
+  TrackletParams params_;
+  std::map<Key, std::vector<Tracklet>> pending_;  // in order of time
+  std::size_t waiting_ = 0;                       // in `pending_`
+  std::optional<Time> newest_, reported_;
+};
+
+}  // namespace sightline::core

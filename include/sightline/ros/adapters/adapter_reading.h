@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <ros/time.h>
+#include <sightline/SightingArray.h>
+#include <std_msgs/Header.h>
+
+#include "sightline/core/model/sighting.h"
+#include "sightline/ros/adapters/adapter_params.h"
+#include "sightline/ros/adapters/pixel_rays.h"
+#include "sightline/ros/diagnosis/refusals.h"
+
+namespace sightline_ros {
+
+/// What a driver's message says, before its stamp and frame are settled. Sightings are added one by one; what
+/// cannot be used becomes a refusal that names the thing, the value and the remedy.
+class Reading {
+ public:
+  static constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+
+  /// `topic` must outlive the reading.
+  Reading(const AdapterTopic& topic, const std_msgs::Header& header) : header(header), topic_(topic) {}
+
+  /// A direction of any length, known to the configured sigma.
+  void addDirection(const Eigen::Vector3d& direction, double snr = kNotKnown);
+
+  /// The direction of a point [m] with its covariance [m^2], if the message has one.
+  void addPoint(const Eigen::Vector3d& point, const std::optional<Eigen::Matrix3d>& covariance,
+                double snr = kNotKnown);
+
+  /// (azimuth, elevation) [rad] with their covariance [rad^2], if the message has one.
+  void addAngles(const Eigen::Vector2d& angles, const std::optional<Eigen::Matrix2d>& covariance,
+                 double snr = kNotKnown);
+
+  /// A pixel of a camera [px] with its covariance [px^2], if the message has one; `rays` null = its
+  /// CameraInfo has not come.
+  void addPixel(const Eigen::Vector2d& pixel, const std::optional<Eigen::Matrix2d>& covariance,
+                const PixelRays* rays, double snr = kNotKnown);
+
+  /// Something that the message offered and that cannot be used.
+  void refuse(const std::string& reason, const std::string& detail);
+
+  std::size_t offered() const { return sightings.size() + refusals.size(); }  ///< usable or not
+
+  std_msgs::Header header;
+  std::vector<sightline::core::Sighting> sightings;  ///< in the frame of `header`
+  std::vector<Refusal> refusals;
+  std::size_t unknown_covariances = 0;  ///< in whose place the configured sigma was taken
+  std::string first_unknown;            ///< the first of those, in words
+
+ private:
+  void add(std::optional<sightline::core::Sighting> sighting, double snr);
+  bool mayUseSigma(const std::optional<Eigen::Vector2d>& sigma, const std::string& covariance_in_words);
+
+  const AdapterTopic& topic_;
+};
+
+/// What goes out for a message.
+struct AdaptedScan {
+  sightline::SightingArray::Ptr scan;  ///< null: the message was refused, or every sighting in it
+  std::vector<Refusal> refusals;
+  std::string optical_frame;  ///< of which the scan's frame is the boresight frame; empty = it is none
+};
+
+/// Settles stamp and frame, and leaves out what the trackers would reject. A message that offers nothing
+/// becomes an empty scan (it looked, and saw nothing); one of whose sightings none can be used becomes none.
+AdaptedScan settled(const Reading& reading, const AdapterTopic& topic, const ros::Time& arrival);
+
+/// The name of the frame that looks along x where the optical frame looks along z.
+std::string boresightFrameOf(const std::string& optical_frame);
+
+}  // namespace sightline_ros

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sightline/AssociationArray.h>
+#include <sightline/SightingArray.h>
+#include <sightline/TrackArray.h>
+#include <sightline/TrackletArray.h>
+#include <tf2/buffer_core.h>
+
+#include "sightline/core/model/time.h"
+#include "sightline/core/ordering/stamp_watch.h"
+#include "sightline/core/tracking/local_tracker.h"
+#include "sightline/core/tracking/tracklet_builder.h"
+#include "sightline/ros/messages/frames.h"
+#include "sightline/ros/params/param_reader.h"
+
+namespace sightline_ros {
+
+/// What a local tracker says of one scan.
+struct TrackerReport {
+  sightline::SightingArray::ConstPtr scan;
+  sightline::TrackArray::Ptr tracks;              ///< null when the scan was dropped
+  sightline::TrackletArray::Ptr tracklets;        ///< null when none are due; to be sent before the tracks
+  sightline::AssociationArray::Ptr associations;  ///< every sighting of the scan, whether it was used or not
+  std::size_t rejected = 0;                       ///< sightings with REJECTED_INPUT
+  std::string drop_reason;                        ///< short and of few kinds; empty when the scan was used
+  std::string drop_detail;                        ///< the whole story
+  std::vector<sightline::core::SensorChange> changes;  ///< of what is thought of a sensor; mostly none
+  std::string notice;      ///< what else an operator must know (stamps that jump); mostly empty
+  bool went_back = false;  ///< time went back: everything was started anew before this scan
+};
+
+/// A local tracker from message to message, without a node round it: frame change, then the tracker of the
+/// core. Node, nodelet and offline replay hold one each.
+class LocalTrackerComponent {
+ public:
+  /// Reads all parameters of the tracker at this level of `reader` but `sighting_topics`; the caller calls
+  /// `finish`. `name` is the tracker's name where `tracker_name` does not say another. Throws ParamError.
+  LocalTrackerComponent(const ParamReader& reader, const std::string& name,
+                        const tf2::BufferCore& transforms);
+
+  /// Takes a scan; `now` is the clock, 0 = not known. Returns what became of it, and of scans that had
+  /// waited; nothing as long as it has to wait for its transform, or is held as its stamp leaps ahead of the
+  /// other sensors'.
+  std::vector<TrackerReport> onScan(const sightline::SightingArray::ConstPtr& scan,
+                                    sightline::core::Time now);
+
+  /// Transforms have come, or time has gone by: what became of the scans that were waiting.
+  std::vector<TrackerReport> onTransforms(sightline::core::Time now);
+
+  /// Tracklets that wait for a scan that does not come; null when nothing has to be sent by now.
+  sightline::TrackletArray::Ptr overdueTracklets(sightline::core::Time now);
+
+  /// Gives everything up and tracks on from `time`: time went back.
+  void startAnew(sightline::core::Time time);
+
+  /// How the stamps of each sensor stand to the others'.
+  std::vector<sightline::core::WatchedStamps> stamps() const { return stamps_.sensors(); }
+
+  /// What is thought of each sensor that has been compared with others.
+  std::vector<sightline::core::WatchedSensor> sensors() const { return tracker_.sensors(); }
+
+  /// What has been learnt of each sensor's noise.
+  const std::vector<sightline::core::CalibratedSensor>& calibratedSensors() const {
+    return tracker_.calibratedSensors();
+  }
+
+  /// What has been learnt of how each sensor sees targets, and what is none.
+  const std::vector<sightline::core::CalibratedDetection>& detection() const {
+    return tracker_.detection().sensors();
+  }
+
+  std::size_t waiting() const { return frames_.waiting(); }
+  const std::string& name() const { return name_; }
+  const std::string& estimator() const { return estimator_; }
+  const std::string& trackingFrame() const { return frames_.params().tracking_frame; }
+  double maxLag() const { return max_lag_; }  ///< lateness up to which a scan is put in its place [s]
+  double maxFuture() const { return frames_.params().max_future; }  ///< [s]
+  double tfTimeout() const { return frames_.params().tf_timeout; }  ///< [s]
+
+ private:
+  LocalTrackerComponent(const sightline::core::LocalTrackerParams& tracker,
+                        const sightline::core::TrackletParams& tracklets, const FrameChangeParams& frames,
+                        std::string name, const tf2::BufferCore& transforms);
+
+  void admit(FramedScan framed, sightline::core::Time now, std::vector<TrackerReport>& reports);
+  TrackerReport track(FramedScan& framed);
+  sightline::TrackArray::Ptr trackArray(const sightline::core::ScanReport& report) const;
+  sightline::TrackletArray::Ptr trackletArray(std::optional<sightline::core::TrackletReport> report) const;
+
+  std::string name_;
+  std::string estimator_;
+  double max_lag_;
+  FrameChange frames_;
+  sightline::core::StampGate<FramedScan> stamps_;
+  sightline::core::LocalTracker tracker_;
+  std::optional<sightline::core::TrackletBuilder> tracklets_;  // none: not enabled
+};
+
+}  // namespace sightline_ros

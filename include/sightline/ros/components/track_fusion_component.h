@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+#include <sightline/FusionReport.h>
+#include <sightline/TrackArray.h>
+#include <sightline/TrackletArray.h>
+#include <std_msgs/Header.h>
+
+#include "sightline/core/fusion/track_fusion.h"
+#include "sightline/ros/params/param_reader.h"
+
+namespace sightline_ros {
+
+/// What a fusion says of one message.
+struct FusionResult {
+  sightline::TrackArray::Ptr tracks;  ///< the global tracks; null when the message was refused
+  sightline::FusionReport::Ptr
+      report;           ///< who made them; when the message was refused, again with its tracks left out
+  std::string refusal;  ///< "kind: details"; empty when the message was used
+};
+
+/// A track fusion from message to message, without a node round it. Node, nodelet and offline replay hold one
+/// each.
+///
+/// Refused are tracks in another frame than `tracking_frame` (directions seen from another origin cannot be
+/// fused), from the future, of this fusion itself, or under a name that another topic uses already.
+class TrackFusionComponent {
+ public:
+  /// Reads all parameters of the fusion at this level of `reader` but `track_topics` and those of the node;
+  /// the caller calls `finish`. `name` is the fusion's name where `tracker_name` does not say another. Throws
+  /// ParamError.
+  TrackFusionComponent(const ParamReader& reader, const std::string& name);
+
+  /// Takes the tracks of one local tracker that came on `topic`; `now` is the clock, 0 = not known.
+  FusionResult onTracks(const sightline::TrackArray& local, const std::string& topic,
+                        sightline::core::Time now);
+
+  /// Takes the tracklets of one local tracker that came on `topic`, for the fusions that follow. Returns why
+  /// they, or some of them, were refused; empty when they were not.
+  std::string onTracklets(const sightline::TrackletArray& local, const std::string& topic,
+                          sightline::core::Time now);
+
+  /// Whether the rule can make use of tracklets.
+  bool wantsTracklets() const;
+
+  std::size_t lateTracklets() const { return fusion_.lateTracklets(); }  ///< too late to be used
+
+  /// Forgets everything but the ids: time started again.
+  void reset();
+
+  const std::string& name() const { return name_; }
+  const std::string& trackingFrame() const { return tracking_frame_; }
+  std::string rule() const { return nameOf(params_.rule); }
+
+ private:
+  /// Where a tracker's reports come from.
+  struct Origin {
+    std::string topic;
+    sightline::core::Time newest;
+  };
+
+  using Origins = std::map<std::string, Origin>;  // by tracker; at most as many as the fusion knows
+
+  std::string refusalOf(const std::string& tracker, const std_msgs::Header& header, const std::string& topic,
+                        const Origins& origins, sightline::core::Time now) const;
+  void note(const std::string& tracker, const std_msgs::Header& header, const std::string& topic,
+            Origins& origins) const;
+  FusionResult refused(const sightline::TrackArray& local, const std::string& why) const;
+  sightline::TrackArray::Ptr trackArray(const sightline::core::FusionReport& fused) const;
+  sightline::FusionReport::Ptr fusionReport(const sightline::core::FusionReport& fused) const;
+
+  std::string name_;
+  std::string tracking_frame_;
+  double max_future_;  // [s]
+  sightline::core::TrackFusionParams params_;
+  sightline::core::TrackFusion fusion_;
+  sightline::core::FusionReport latest_;
+  Origins origins_, tracklet_origins_;
+};
+
+}  // namespace sightline_ros

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <ros/subscriber.h>
+#include <ros/wall_timer.h>
+#include <sightline/SightingArray.h>
+#include <tf2/buffer_core.h>
+
+#include "sightline/ros/components/local_tracker_component.h"
+#include "sightline/ros/components/local_tracker_health.h"
+#include "sightline/ros/diagnosis/transform_subscriber.h"
+
+namespace sightline_ros {
+
+/// Node and nodelet round a LocalTrackerComponent: every topic of `~sighting_topics` in; `tracks`,
+/// `tracklets`, `associations` and /diagnostics out. Its callbacks run on one queue, one at a time.
+class LocalTrackerNode {
+ public:
+  /// Throws ParamError.
+  LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh);
+
+ private:
+  LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh, const ParamReader& reader);
+
+  void subscribe(const std::vector<std::string>& topics);
+  void onScan(const sightline::SightingArray::ConstPtr& scan);
+  void onTransforms();
+  void onTimer();
+  void publish(const std::vector<TrackerReport>& reports);
+  void warnOf(const TrackerReport& report);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  ros::NodeHandle nh_;
+  tf2::BufferCore transforms_;
+  LocalTrackerComponent component_;
+  LocalTrackerHealth health_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::Publisher tracks_;
+  ros::Publisher tracklets_;
+  ros::Publisher associations_;
+  std::vector<ros::Subscriber> sightings_;
+  std::unique_ptr<TransformSubscriber> transform_subscriber_;
+  ros::WallTimer timeout_timer_;
+  ros::WallTimer diagnostics_timer_;
+};
+
+}  // namespace sightline_ros

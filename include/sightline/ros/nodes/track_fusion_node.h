@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <ros/subscriber.h>
+#include <ros/wall_timer.h>
+#include <sightline/TrackArray.h>
+#include <sightline/TrackletArray.h>
+
+#include "sightline/ros/components/track_fusion_component.h"
+#include "sightline/ros/components/track_fusion_health.h"
+
+namespace sightline_ros {
+
+/// Node and nodelet round a TrackFusionComponent: every topic of `~track_topics` in, with the tracklets
+/// beside each; `fusion/tracks`, `fusion/report` and /diagnostics out. Its callbacks run on one queue, one at
+/// a time.
+class TrackFusionNode {
+ public:
+  /// Throws ParamError.
+  TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
+
+ private:
+  TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const ParamReader& reader);
+
+  void onTracks(const sightline::TrackArray::ConstPtr& local, const std::string& topic);
+  void onTracklets(const sightline::TrackletArray::ConstPtr& local, const std::string& topic);
+  void noticeTimeJump(sightline::core::Time now);
+
+  ros::NodeHandle nh_;
+  TrackFusionComponent component_;
+  std::vector<std::string> topics_;           // full names
+  std::vector<std::string> tracklet_topics_;  // likewise
+  TrackFusionHealth health_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::Publisher tracks_;
+  ros::Publisher report_;
+  std::vector<ros::Subscriber> subscribers_;
+  ros::WallTimer diagnostics_timer_;
+  sightline::core::Time last_now_{};
+};
+
+}  // namespace sightline_ros

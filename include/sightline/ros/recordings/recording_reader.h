@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+
+#include <rosbag/bag.h>
+#include <sightline/AssociationArray.h>
+
+#include "sightline/core/evaluation/scores.h"
+#include "sightline/ros/messages/frames.h"
+
+namespace sightline_ros {
+
+/// Who is told of the messages of a recording; each may be empty.
+struct RecordingVisitor {
+  std::function<void(const std::string& topic, sightline::core::Scan scan_tracking)> scan;
+  std::function<void(const std::string& topic, sightline::core::TrackReport report)> tracks;
+  std::function<void(const std::string& topic, const sightline::AssociationArray& associations)> associations;
+};
+
+/// Reads what there is to evaluate in a recording: scans, brought into the tracking frame, tracks and
+/// associations, in the order in which they were recorded.
+class RecordingReader {
+ public:
+  /// `bag` must outlive this.
+  RecordingReader(const rosbag::Bag& bag, const std::string& tracking_frame);
+
+  void read(const RecordingVisitor& visitor);
+
+  /// Messages that the last `read` left out, by topic and reason.
+  const std::map<std::string, std::size_t>& leftOut() const { return left_out_; }
+
+ private:
+  const rosbag::Bag& bag_;
+  FrameChangeParams frames_;
+  std::map<std::string, std::size_t> left_out_;
+};
+
+/// Frame of the first TrackArray of the bag; that of FrameChangeParams when there is none.
+std::string trackingFrameOf(const rosbag::Bag& bag);
+
+}  // namespace sightline_ros

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include <rosbag/bag.h>
+
+#include "sightline/core/model/time.h"
+#include "sightline/core/simulation/scenario.h"
+
+namespace sightline_ros {
+
+struct SimulatedRecordingParams {
+  sightline::core::Time start{std::chrono::seconds(1000)};  ///< stamp of the scenario's time zero
+  double rate = 100.0;    ///< of truth and of a moving platform's transforms, > 0 [Hz]
+  bool is_stated = true;  ///< whether scans state their probability of detection and density of clutter
+};
+
+struct SimulatedRecordingSummary {
+  std::size_t scans = 0, sightings = 0, truths = 0;
+};
+
+/// Writes what the nodes of a simulation would publish, at the times at which they would:
+/// /sensors/<sensor>/sightings, /truth, /tf and /tf_static. Throws std::invalid_argument for a scenario that
+/// has no end or is faulty.
+SimulatedRecordingSummary recordSimulation(const sightline::core::Scenario& scenario,
+                                           const SimulatedRecordingParams& params, rosbag::Bag& bag);
+
+/// The file of a scenario: a path (with a slash), or a file of config/scenarios with or without `.yaml`.
+/// Throws std::runtime_error that names those that there are.
+std::string scenarioFile(const std::string& name);
+
+/// config/sensors/six_sensors.yaml of the package.
+std::string sixSensorsFile();
+
+}  // namespace sightline_ros

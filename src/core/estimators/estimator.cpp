@@ -1,0 +1,42 @@
+#include "sightline/core/estimators/estimator.h"
+
+#include <Eigen/LU>
+
+namespace sightline::core {
+namespace {
+
+constexpr std::size_t kSettledSightings = 20;
+constexpr double kSettledSpan = 0.5;  // [s]
+
+}  // namespace
+
+Measurement rotate(const Measurement& measurement, const Eigen::Matrix3d& R_new_old) {
+  const Eigen::Matrix2d J = rotationJacobian(measurement.position, R_new_old);
+  Measurement turned = measurement;
+  turned.position = rotateAngles(measurement.position, R_new_old);
+  turned.covariance = symmetric(J * measurement.covariance * J.transpose());
+  return turned;
+}
+
+AngularState firstState(const Measurement& measurement, double rate_sigma) {
+  AngularState state;
+  state.mean << measurement.position, Eigen::Vector2d::Zero();
+  state.covariance.topLeftCorner<2, 2>() = measurement.covariance;
+  state.covariance.bottomRightCorner<2, 2>().diagonal().setConstant(rate_sigma * rate_sigma);
+  return state;
+}
+
+AngularState withRatePrior(AngularState state, double rate_sigma, std::size_t sightings, double span) {
+  if (sightings >= kSettledSightings || span >= kSettledSpan) return state;
+  const double prior = rate_sigma * rate_sigma;
+  if (!(state.covariance.diagonal().tail<2>().maxCoeff() > prior)) return state;
+  const Eigen::Matrix2d S = state.covariance.bottomRightCorner<2, 2>() + prior * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix<double, 4, 2> K = state.covariance.rightCols<2>() * S.inverse();  // S >= prior * I
+  state.mean -= K * Eigen::Vector2d(state.rates());
+  Eigen::Matrix4d J = Eigen::Matrix4d::Identity();
+  J.rightCols<2>() -= K;
+  state.covariance = symmetric(J * state.covariance * J.transpose() + prior * K * K.transpose());
+  return state;
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,123 @@
+#include "sightline/core/estimators/imm.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace sightline::core {
+namespace {
+
+constexpr double kAccelerationMemory = 1.0;  // [s], see ImmEstimator
+
+void check(const ImmParams& params) {
+  for (const ImmModel& model : params.models) {
+    const auto& noise = model.noise;
+    if ((model.order != 1 && model.order != 2) || !(noise.density >= 0.0) ||
+        !(noise.density > 0.0 || noise.ratio > 0.0)) {
+      throw std::invalid_argument(
+          "ImmParams: a model needs order 1 or 2 and a noise density or ratio above 0, got order " +
+          std::to_string(model.order) + ", density " + std::to_string(noise.density) + ", ratio " +
+          std::to_string(noise.ratio));
+    }
+  }
+  if (!(params.initial_rate_sigma > 0.0) || !(params.initial_acceleration_sigma > 0.0)) {
+    throw std::invalid_argument(
+        "ImmParams: initial_rate_sigma and initial_acceleration_sigma must be above 0, got " +
+        std::to_string(params.initial_rate_sigma) + " and " +
+        std::to_string(params.initial_acceleration_sigma));
+  }
+}
+
+void forgetAcceleration(Motion<6>& motion) {
+  motion.mean.tail<2>().setZero();
+  motion.covariance.bottomRows<2>().setZero();
+  motion.covariance.rightCols<2>().setZero();
+}
+
+}  // namespace
+
+std::vector<ImmModel> defaultImmModels() {
+  return {{1, {0.0, 1.0}}, {1, {0.0, 100.0}}, {2, {0.0, 100.0}}, {2, {0.0, 1e4}}};
+}
+
+ImmEstimator::ImmEstimator(const ImmParams& params)
+    : params_(params),
+      chain_(ModeArray::Ones(static_cast<Eigen::Index>(params.models.size())), params.dwell) {
+  check(params);
+}
+
+std::unique_ptr<Estimator> ImmEstimator::clone() const {
+  return std::unique_ptr<Estimator>(new ImmEstimator(*this));
+}
+
+void ImmEstimator::update(const Measurement& measurement) {
+  if (time_) {
+    const double h = seconds(measurement.time - *time_);
+    motions_ = predicted(h);
+    ModeArray log_likelihoods(modes());
+    for (int mode = 0; mode < modes(); ++mode)
+      log_likelihoods(mode) = condition(motions_[mode], measurement.position, measurement.covariance);
+    chain_.update(h, log_likelihoods);
+  } else {
+    const AngularState first = firstState(measurement, params_.initial_rate_sigma);
+    Motion<6> motion;
+    motion.mean.head<4>() = first.mean;
+    motion.covariance.topLeftCorner<4, 4>() = first.covariance;
+    motion.covariance.diagonal().tail<2>().setConstant(params_.initial_acceleration_sigma *
+                                                       params_.initial_acceleration_sigma);
+    motions_.fill(motion);
+  }
+  noise_.add(measurement.covariance, measurement.sightings);
+  time_ = measurement.time;
+}
+
+std::optional<AngularState> ImmEstimator::stateAt(Time time) const {
+  if (!time_) return std::nullopt;
+  const double h = seconds(time - *time_);
+  if (h == 0.0) return mixture(chain_.probabilities(), motions_.data()).angularState();
+  return mixture(chain_.predicted(h), predicted(h).data()).angularState();  // (S-6)
+}
+
+/// What each model expects `h` seconds after the last sighting, after the models have interacted.
+ImmEstimator::Motions ImmEstimator::predicted(double h) const {
+  const ModeArray own = chain_.ownShares(h);
+  const Motion<6> all = mixture(chain_.probabilities(), motions_.data());
+  Motions ahead;
+  for (int mode = 0; mode < modes(); ++mode) {
+    const ImmModel& model = params_.models[static_cast<std::size_t>(mode)];
+    const Eigen::Matrix2d density = model.noise.densityFor(noise_.covariance());
+    Motion<6>& motion = ahead[mode] = mixture(own(mode), motions_[mode], all);
+    if (model.order == 1) {
+      forgetAcceleration(motion);
+      moveOn(motion, h);
+      addWhiteAcceleration(motion, density, h);
+      motion.covariance.bottomRightCorner<2, 2>() = unknownAcceleration();
+    } else {
+      moveOn(motion, h);
+      addWhiteJerk(motion, density, h);
+    }
+    motion.covariance = symmetric(motion.covariance);
+  }
+  return ahead;
+}
+
+/// Covariance of the acceleration by a model that has none.
+Eigen::Matrix2d ImmEstimator::unknownAcceleration() const {
+  const ImmModel* mildest = nullptr;
+  double least = 0.0;
+  for (const ImmModel& model : params_.models) {
+    if (model.order != 2) continue;
+    const double strength = model.noise.densityFor(noise_.covariance()).trace();
+    if (!mildest || strength < least) mildest = &model, least = strength;
+  }
+  if (!mildest) return Eigen::Matrix2d::Zero();
+  return kAccelerationMemory * mildest->noise.densityFor(noise_.covariance());
+}
+
+void ImmEstimator::rotate(const Eigen::Matrix3d& R_new_old) {
+  if (!time_) return;
+  noise_.transform(rotationJacobian(motions_[0].mean.head<2>(), R_new_old));
+  for (int mode = 0; mode < modes(); ++mode) motions_[mode] = rotateMotion(motions_[mode], R_new_old);
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,56 @@
+#include "sightline/core/estimators/kalman.h"
+
+#include <stdexcept>
+#include <string>
+
+namespace sightline::core {
+
+KalmanEstimator::KalmanEstimator(const KalmanParams& params) : params_(params) {
+  if (!(params.process_noise >= 0.0) || !(params.process_noise > 0.0 || params.process_noise_ratio > 0.0) ||
+      !(params.initial_rate_sigma > 0.0)) {
+    throw std::invalid_argument(
+        "KalmanParams: process_noise >= 0 (0 = by process_noise_ratio), process_noise_ratio > 0 and "
+        "initial_rate_sigma > 0 are required, got " +
+        std::to_string(params.process_noise) + ", " + std::to_string(params.process_noise_ratio) + " and " +
+        std::to_string(params.initial_rate_sigma));
+  }
+}
+
+std::unique_ptr<Estimator> KalmanEstimator::clone() const {
+  return std::unique_ptr<Estimator>(new KalmanEstimator(*this));
+}
+
+void KalmanEstimator::update(const Measurement& measurement) {
+  if (time_) {
+    motion_ = predicted(measurement.time);
+    condition(motion_, measurement.position, measurement.covariance);
+  } else {
+    const AngularState first = firstState(measurement, params_.initial_rate_sigma);
+    motion_ = {first.mean, first.covariance};
+  }
+  noise_.add(measurement.covariance, measurement.sightings);
+  time_ = measurement.time;
+}
+
+std::optional<AngularState> KalmanEstimator::stateAt(Time time) const {
+  if (!time_) return std::nullopt;
+  return predicted(time).angularState();
+}
+
+Motion<4> KalmanEstimator::predicted(Time time) const {
+  const double h = seconds(time - *time_);
+  Motion<4> motion = motion_;
+  moveOn(motion, h);
+  const ProcessNoise process_noise{params_.process_noise, params_.process_noise_ratio};
+  addWhiteAcceleration(motion, process_noise.densityFor(noise_.covariance()), h);
+  motion.covariance = symmetric(motion.covariance);
+  return motion;
+}
+
+void KalmanEstimator::rotate(const Eigen::Matrix3d& R_new_old) {
+  if (!time_) return;
+  noise_.transform(rotationJacobian(motion_.mean.head<2>(), R_new_old));
+  motion_ = rotateMotion(motion_, R_new_old);
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,47 @@
+#include "sightline/core/estimators/mode_chain.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace sightline::core {
+namespace {
+
+constexpr double kFloor = 1e-12;  // a mode of less could not come back
+
+}  // namespace
+
+ModeChain::ModeChain(const ModeArray& attraction, double dwell) : dwell_(dwell), attraction_(attraction) {
+  if (attraction.size() < 1 || !(attraction.minCoeff() > 0.0) || !attraction.isFinite().all() ||
+      !(dwell > 0.0)) {
+    throw std::invalid_argument(
+        "ModeChain: modes of finite attraction above 0 and a dwell above 0 s are required, got " +
+        std::to_string(attraction.size()) + " modes and " + std::to_string(dwell) + " s");
+  }
+  attraction_ /= attraction_.sum();
+  probabilities_ = attraction_;
+}
+
+/// That a mode is drawn anew; it may be the same again.
+double ModeChain::drawnProbability(double h) const {
+  const auto modes = static_cast<double>(attraction_.size());
+  if (modes == 1.0) return 0.0;
+  return std::min(-std::expm1(-std::abs(h) / dwell_) * modes / (modes - 1.0), 1.0);
+}
+
+ModeArray ModeChain::predicted(double h) const {
+  const double drawn = drawnProbability(h);
+  return (1.0 - drawn) * probabilities_ + drawn * attraction_;
+}
+
+ModeArray ModeChain::ownShares(double h) const {
+  return (1.0 - drawnProbability(h)) * probabilities_ / predicted(h);
+}
+
+void ModeChain::update(double h, const ModeArray& log_likelihoods) {
+  probabilities_ = predicted(h) * (log_likelihoods - log_likelihoods.maxCoeff()).exp();
+  probabilities_ = (probabilities_ / probabilities_.sum()).max(kFloor);
+  probabilities_ /= probabilities_.sum();
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,473 @@
+#include "sightline/core/estimators/noga_consistent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Cholesky>
+
+#include "sightline/core/model/kinematics.h"
+
+namespace sightline::core {
+namespace {
+
+// Section 4.2 and 4.3; sigmas in amplitudes [rad] per s^n, kappa in 1/s^2.
+constexpr double kInitialSigma = 2.0;     // of rate, acceleration and kappa before anything is known
+constexpr double kUnusedSigma = 1.0;      // of acceleration and kappa after a model that does not know them
+constexpr double kFixedKappaSigma = 4.0;  // of the kappa that a fixed harmonic hands to the others
+constexpr double kSigmasOfAmplitude = 10.0;  // amplitude over sigma where the amplitude is not given
+constexpr double kCoupling = 1e-6;           // correlation from which azimuth and elevation count as coupled
+constexpr double kLongestStep = 30.0;        // [s]; what was known of a target is lost by then
+constexpr double kOutlierReach = 20.0;  // sigmas of the innovation over which outliers lie at least: a track
+                                        // that has just started must believe its second sighting
+
+using Matrix8d = Eigen::Matrix<double, 8, 8>;
+using Vector8d = Eigen::Matrix<double, 8, 1>;
+
+void check(const NogaConsistentParams& params) {
+  if (params.models.empty() || params.models.size() > kMaxModes) {
+    throw std::invalid_argument("NogaConsistentParams: 1 to " + std::to_string(kMaxModes) +
+                                " models are required, got " + std::to_string(params.models.size()));
+  }
+  for (const ResponseModel& model : params.models) {
+    if (!(model.q >= 0.0) || !(model.q_kappa >= 0.0) || !std::isfinite(model.kappa) || !(model.fade > 0.0) ||
+        !(model.attraction > 0.0)) {
+      throw std::invalid_argument(
+          "NogaConsistentParams: a model needs q >= 0, q_kappa >= 0, a finite kappa, fade > 0 s and "
+          "attraction > 0, "
+          "got q " +
+          std::to_string(model.q) + ", q_kappa " + std::to_string(model.q_kappa) + ", kappa " +
+          std::to_string(model.kappa) + ", fade " + std::to_string(model.fade) + ", attraction " +
+          std::to_string(model.attraction));
+    }
+  }
+  if (!(params.amplitude >= 0.0) || !(params.initial_rate_sigma > 0.0) ||
+      !(params.outlier_share >= 0.0 && params.outlier_share < 1.0) || !(params.outlier_width > 0.0)) {
+    throw std::invalid_argument(
+        "NogaConsistentParams: amplitude >= 0 rad, initial_rate_sigma > 0 rad/s, outlier_share in [0, 1) and "
+        "outlier_width > 0 are "
+        "required");
+  }
+}
+
+ModeArray attractions(const NogaConsistentParams& params) {
+  check(params);
+  ModeArray attraction(static_cast<Eigen::Index>(params.models.size()));
+  for (Eigen::Index i = 0; i < attraction.size(); ++i)
+    attraction(i) = params.models[static_cast<std::size_t>(i)].attraction;
+  return attraction;
+}
+
+/// A bank given at an amplitude does not scale with the noise, so that the noise is taken as stated.
+NoiseLearningParams noiseLearning(const NogaConsistentParams& params) {
+  NoiseLearningParams learning = params.noise;
+  if (params.amplitude > 0.0) learning.enabled = false;
+  return learning;
+}
+
+/// log(exp(a) + exp(b)).
+double logSum(double a, double b) {
+  return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b)));
+}
+
+}  // namespace
+
+std::vector<ResponseModel> defaultResponseModels() {
+  return {{ResponseModel::Kind::straight, 1e-4},
+          {ResponseModel::Kind::straight, 0.01},
+          {ResponseModel::Kind::straight, 0.05},
+          {ResponseModel::Kind::straight, 0.25},
+          {ResponseModel::Kind::straight, 1.25},
+          {ResponseModel::Kind::straight, 30.0, 0.0, 0.0, 1.0, 0.2},
+          {ResponseModel::Kind::harmonic, 1e-3, 1e-2, 0.0, 1.0, 4.0},
+          {ResponseModel::Kind::harmonic, 0.3, 1.0, 0.0, 1.0, 0.3},
+          {ResponseModel::Kind::fixed_harmonic, 1.0, 0.0, 8.0, 1.0, 0.05},
+          {ResponseModel::Kind::fading, 0.3, 0.0, 0.0, 2.0},
+          {ResponseModel::Kind::fading, 10.0, 0.0, 0.0, 2.0},
+          {ResponseModel::Kind::fading, 1000.0, 0.0, 0.0, 2.0, 0.5}};
+}
+
+NogaConsistentParams bankOfSection43() {
+  NogaConsistentParams params;
+  params.models = {
+      {ResponseModel::Kind::straight, 1e-4},     {ResponseModel::Kind::straight, 0.05},
+      {ResponseModel::Kind::straight, 0.7},      {ResponseModel::Kind::harmonic, 1e-3, 1e-2},
+      {ResponseModel::Kind::harmonic, 0.3, 1.0}, {ResponseModel::Kind::fixed_harmonic, 1.0, 0.0, 8.0}};
+  params.amplitude = 1.0;
+  params.initial_rate_sigma = 2.0;
+  params.dwell = 30.0;
+  params.noise.enabled = false;
+  return params;
+}
+
+NogaConsistentEstimator::NogaConsistentEstimator(const NogaConsistentParams& params)
+    : params_(params), chain_(attractions(params), params.dwell), noise_learning_(noiseLearning(params)) {}
+
+std::unique_ptr<Estimator> NogaConsistentEstimator::clone() const {
+  return std::unique_ptr<Estimator>(new NogaConsistentEstimator(*this));
+}
+
+void NogaConsistentEstimator::update(const Measurement& measurement) {
+  const Eigen::Matrix2d& R = measurement.covariance;
+  coupled_ = coupled_ || std::abs(R(0, 1)) > kCoupling * std::sqrt(R(0, 0) * R(1, 1));
+  if (measurement.is_certain || !time_) sighting_noise_.add(R, measurement.sightings);
+  const double h = time_ ? seconds(measurement.time - *time_) : 0.0;
+  if (time_ && h <= kLongestStep) {
+    noise_learning_.next(h);
+    beliefs_ = expected(h);  // 4.3 (i), (ii)
+    ModeArray log_likelihoods(modes());
+    for (int mode = 0; mode < modes(); ++mode) {
+      const auto kind = params_.models[static_cast<std::size_t>(mode)].kind;
+      log_likelihoods(mode) =
+          reduce(beliefs_[mode], measurement, kind == ResponseModel::Kind::straight);  // (iii)
+    }
+    if (!measurement.is_certain) log_likelihoods.setZero();  // it tells nothing of the models
+    chain_.update(h, log_likelihoods);                       // (iv)
+  } else {
+    start(measurement);
+  }
+  time_ = measurement.time;
+}
+
+/// The angle [rad] that stands for 1 rad of the bank, where the sightings have `noise` times the stated
+/// variance.
+double NogaConsistentEstimator::amplitude(int channel, double noise) const {
+  if (params_.amplitude > 0.0) return params_.amplitude;
+  return kSigmasOfAmplitude * std::sqrt(noise * sighting_noise_.covariance()(channel, channel));
+}
+
+void NogaConsistentEstimator::start(const Measurement& measurement) {
+  for (int mode = 0; mode < modes(); ++mode) {
+    const ResponseModel& model = params_.models[static_cast<std::size_t>(mode)];
+    Belief& belief = beliefs_[mode];
+    belief.cross(0, 0) = measurement.covariance(0, 1);
+    for (int channel = 0; channel < 2; ++channel) {
+      const double acceleration_sigma = kInitialSigma * amplitude(channel, 1.0);
+      belief.mean[channel] << measurement.position(channel), 0.0, 0.0, 0.0;
+      if (model.kind == ResponseModel::Kind::fixed_harmonic) belief.mean[channel](3) = model.kappa;
+      belief.covariance[channel].diagonal() << measurement.covariance(channel, channel),
+          params_.initial_rate_sigma * params_.initial_rate_sigma, acceleration_sigma * acceleration_sigma,
+          kInitialSigma * kInitialSigma;
+    }
+  }
+}
+
+/// What each model expects `h` seconds after the last sighting, after the models have interacted.
+NogaConsistentEstimator::Beliefs NogaConsistentEstimator::expected(double h) const {
+  h = std::clamp(h, -kLongestStep, kLongestStep);
+  const ModeArray own = chain_.ownShares(h);
+  const Belief all = mixtureOfAll();
+  Beliefs ahead;
+  for (int mode = 0; mode < modes(); ++mode) {
+    const ResponseModel& model = params_.models[static_cast<std::size_t>(mode)];
+    if (model.kind == ResponseModel::Kind::straight) {
+      blend<2>(own(mode), beliefs_[mode], all, ahead[mode]);
+      stepStraight(ahead[mode], model, h);
+      continue;
+    }
+    blend<4>(own(mode), beliefs_[mode], all, ahead[mode]);
+    if (model.kind == ResponseModel::Kind::harmonic) {
+      stepHarmonic(ahead[mode], model, h);
+    } else {
+      stepLinear(ahead[mode], model, h);
+    }
+  }
+  return ahead;
+}
+
+NogaConsistentEstimator::Belief NogaConsistentEstimator::mixtureOfAll() const {
+  const ModeArray& weights = chain_.probabilities();
+  Belief all;
+  all.noise.setZero();
+  for (int mode = 0; mode < modes(); ++mode) {
+    for (int channel = 0; channel < 2; ++channel)
+      all.mean[channel] += weights(mode) * beliefs_[mode].mean[channel];
+    all.noise += weights(mode) * beliefs_[mode].noise;
+  }
+  for (int mode = 0; mode < modes(); ++mode) {
+    Eigen::Vector4d offset[2];
+    for (int channel = 0; channel < 2; ++channel) {
+      offset[channel] = beliefs_[mode].mean[channel] - all.mean[channel];
+      all.covariance[channel] += weights(mode) * beliefs_[mode].covariance[channel];
+      all.covariance[channel].noalias() += weights(mode) * offset[channel] * offset[channel].transpose();
+    }
+    if (coupled_) all.cross += weights(mode) * (beliefs_[mode].cross + offset[0] * offset[1].transpose());
+  }
+  return all;
+}
+
+/// `share` of `own`, for the rest `other`, in the first N components.
+template <int N>
+void NogaConsistentEstimator::blend(double share, const Belief& own, const Belief& other,
+                                    Belief& mixed) const {
+  const double rest = 1.0 - share;
+  Eigen::Matrix<double, N, 1> offset[2];
+  for (int channel = 0; channel < 2; ++channel) {
+    offset[channel] = (own.mean[channel] - other.mean[channel]).template head<N>();
+    mixed.mean[channel].template head<N>() = other.mean[channel].template head<N>() + share * offset[channel];
+    auto covariance = mixed.covariance[channel].template topLeftCorner<N, N>();
+    covariance = share * own.covariance[channel].template topLeftCorner<N, N>() +
+                 rest * other.covariance[channel].template topLeftCorner<N, N>();
+    covariance.noalias() += (share * rest * offset[channel]) * offset[channel].transpose();
+  }
+  if (coupled_) {
+    mixed.cross.setZero();
+    mixed.cross.template topLeftCorner<N, N>() = share * own.cross.template topLeftCorner<N, N>() +
+                                                 rest * other.cross.template topLeftCorner<N, N>() +
+                                                 share * rest * offset[0] * offset[1].transpose();
+  }
+  mixed.noise = share * own.noise + rest * other.noise;
+}
+
+/// Constant velocity with white acceleration; of acceleration and kappa, of which it knows nothing, it says
+/// N(0, sigma^2) each.
+void NogaConsistentEstimator::stepStraight(Belief& belief, const ResponseModel& model, double h) const {
+  const double age = std::abs(h);
+  for (int channel = 0; channel < 2; ++channel) {
+    const double unit = amplitude(channel, belief.noise(channel)), q = model.q * unit * unit;
+    Eigen::Vector4d& x = belief.mean[channel];
+    Eigen::Matrix4d& P = belief.covariance[channel];
+    x << x(0) + h * x(1), x(1), 0.0, 0.0;
+    P(0, 0) += 2.0 * h * P(0, 1) + h * h * P(1, 1) + q * age * age * age / 3.0;
+    P(0, 1) += h * P(1, 1) + q * h * age / 2.0;
+    P(1, 0) = P(0, 1);
+    P(1, 1) += q * age;
+    P.topRightCorner<2, 2>().setZero();
+    P.bottomLeftCorner<2, 2>().setZero();
+    P.bottomRightCorner<2, 2>() << kUnusedSigma * unit * kUnusedSigma * unit, 0.0,  //
+        0.0, kUnusedSigma * kUnusedSigma;
+  }
+  if (coupled_) {
+    const Eigen::Matrix2d F = (Eigen::Matrix2d() << 1.0, h, 0.0, 1.0).finished();
+    belief.cross.topLeftCorner<2, 2>() = F * belief.cross.topLeftCorner<2, 2>() * F.transpose();
+  }
+}
+
+/// The unknown kappa makes the motion of each channel another one.
+void NogaConsistentEstimator::stepHarmonic(Belief& belief, const ResponseModel& model, double h) const {
+  Eigen::Matrix4d F[2];
+  for (int channel = 0; channel < 2; ++channel) {
+    const double unit = amplitude(channel, belief.noise(channel));
+    Eigen::Matrix4d& P = belief.covariance[channel];
+    const Transition step = harmonicStep(belief.mean[channel], h, model.q * unit * unit, model.q_kappa);
+    belief.mean[channel] = step.mean;
+    F[channel] = step.F;
+    P = symmetric(step.F * P * step.F.transpose() + step.Q);
+  }
+  if (coupled_) belief.cross = F[0] * belief.cross * F[1].transpose();
+}
+
+/// Motions that are linear, and alike in both channels.
+void NogaConsistentEstimator::stepLinear(Belief& belief, const ResponseModel& model, double h) const {
+  const Eigen::Vector4d origin = Eigen::Vector4d::Zero();
+  const Transition step = model.kind == ResponseModel::Kind::fading
+                              ? fadingStep(origin, h, 1.0, model.fade, kUnusedSigma)
+                              : fixedHarmonicStep(origin, h, 1.0, model.kappa, kFixedKappaSigma);
+  for (int channel = 0; channel < 2; ++channel) {
+    const double unit = amplitude(channel, belief.noise(channel));
+    Eigen::Matrix4d& P = belief.covariance[channel];
+    Eigen::Matrix4d Q = step.Q;
+    Q.topLeftCorner<3, 3>() *= model.q * unit * unit;
+    belief.mean[channel] = step.F * belief.mean[channel] + step.mean;
+    P = symmetric(step.F * P * step.F.transpose() + Q);
+  }
+  if (coupled_) belief.cross = step.F * belief.cross * step.F.transpose();
+}
+
+/// The reduction (20)-(23) with the sighting; returns the log likelihood of the model.
+double NogaConsistentEstimator::reduce(Belief& belief, const Measurement& measurement,
+                                       bool is_straight) const {
+  double log_likelihood = 0.0;
+  Eigen::Vector2d distances_squared;
+  if (coupled_) {
+    log_likelihood = reduceCoupled(belief, measurement, distances_squared);
+  } else {
+    for (int channel = 0; channel < 2; ++channel) {
+      const double position = measurement.position(channel);
+      const double variance = belief.noise(channel) * measurement.covariance(channel, channel);
+      log_likelihood +=
+          is_straight ? reduceChannel<2>(belief, channel, position, variance, distances_squared(channel))
+                      : reduceChannel<4>(belief, channel, position, variance, distances_squared(channel));
+    }
+  }
+  if (measurement.is_certain) learnNoise(belief, distances_squared);
+  return log_likelihood;
+}
+
+/// Takes the innovations, squared and over what was expected of them, as evidence of the sightings' noise;
+/// the angles' covariance grows and shrinks with it, as does every gain's denominator: the gains stay.
+void NogaConsistentEstimator::learnNoise(Belief& belief, const Eigen::Vector2d& distances_squared) const {
+  Eigen::Vector4d growth[2];
+  for (int channel = 0; channel < 2; ++channel) {
+    const double before = belief.noise(channel);
+    belief.noise(channel) = noise_learning_.learnt(before, distances_squared(channel));
+    growth[channel].setConstant(std::sqrt(belief.noise(channel) / before));
+    growth[channel](3) = 1.0;  // kappa is no angle
+    belief.covariance[channel] =
+        growth[channel].asDiagonal() * belief.covariance[channel] * growth[channel].asDiagonal();
+  }
+  if (coupled_) belief.cross = growth[0].asDiagonal() * belief.cross * growth[1].asDiagonal();
+}
+
+Eigen::Vector2d NogaConsistentEstimator::noiseScale() const {
+  if (!time_) return Eigen::Vector2d::Ones();
+  Eigen::Vector2d scale = Eigen::Vector2d::Zero();
+  for (int mode = 0; mode < modes(); ++mode) scale += chain_.probabilities()(mode) * beliefs_[mode].noise;
+  return scale;
+}
+
+/// Soft gate: the share of a sighting that is the target's, when outliers are spread evenly.
+double NogaConsistentEstimator::takenShare(double log_likelihood, double log_outlier_density,
+                                           double& log_mixture) const {
+  if (params_.outlier_share == 0.0) {
+    log_mixture = log_likelihood;
+    return 1.0;
+  }
+  const double genuine = std::log1p(-params_.outlier_share) + log_likelihood;
+  log_mixture = logSum(genuine, std::log(params_.outlier_share) + log_outlier_density);
+  return std::exp(genuine - log_mixture);
+}
+
+/// `D`: variance of the innovation.
+double NogaConsistentEstimator::logOutlierDensity(int channel, double noise, double D) const {
+  return -std::log(std::max(params_.outlier_width * amplitude(channel, noise), kOutlierReach * std::sqrt(D)));
+}
+
+/// With only the first N components known to the model.
+template <int N>
+double NogaConsistentEstimator::reduceChannel(Belief& belief, int channel, double position, double variance,
+                                              double& distance_squared) const {
+  using Vector = Eigen::Matrix<double, N, 1>;
+  using Matrix = Eigen::Matrix<double, N, N>;
+  auto x = belief.mean[channel].template head<N>();
+  const Matrix P = belief.covariance[channel].template topLeftCorner<N, N>();
+  const double D = P(0, 0) + variance, nu = position - x(0);
+  double log_mixture = 0.0;
+  const double beta = takenShare(noise_learning_.logDensity(nu * nu / D, std::log(D)),
+                                 logOutlierDensity(channel, belief.noise(channel), D), log_mixture);
+  distance_squared = beta * nu * nu / D + (1.0 - beta);  // an outlier tells nothing
+
+  // (I - K H) P (I - K H)^T + K variance K^T (S-7); only the first column of I - K H is not that of I, and
+  // variance / D is its first element free of the cancellation in 1 - K.
+  const Vector K = P.col(0) / D;
+  Vector column = -K;
+  column(0) = variance / D;
+  Matrix half = P;
+  half.row(0).setZero();
+  half.noalias() += column * P.row(0);
+  Matrix taken = half;
+  taken.col(0).setZero();
+  taken.noalias() += half.col(0) * column.transpose();
+  taken.noalias() += (variance * K) * K.transpose();
+  x += beta * nu * K;
+  taken = (1.0 - beta) * P + beta * taken;
+  taken.noalias() += (beta * (1.0 - beta) * nu * nu * K) * K.transpose();
+  belief.covariance[channel].template topLeftCorner<N, N>() = symmetric(taken);
+  return log_mixture;
+}
+
+double NogaConsistentEstimator::reduceCoupled(Belief& belief, const Measurement& measurement,
+                                              Eigen::Vector2d& distances_squared) const {
+  Vector8d x;
+  Matrix8d P;
+  x << belief.mean[0], belief.mean[1];
+  P << belief.covariance[0], belief.cross, belief.cross.transpose(), belief.covariance[1];
+  Eigen::Matrix<double, 8, 2> PH;
+  PH << P.col(0), P.col(4);
+  const Eigen::Matrix2d R = noiseCovariance(measurement.covariance, belief.noise);
+  const Eigen::Matrix2d D = (Eigen::Matrix2d() << P(0, 0), P(0, 4), P(4, 0), P(4, 4)).finished() + R;
+  const Eigen::LLT<Eigen::Matrix2d> llt(D);
+  const Eigen::Vector2d nu = measurement.position - Eigen::Vector2d(x(0), x(4));
+  const Eigen::Vector2d white = llt.matrixL().solve(nu);
+  double log_likelihood = 0.0, log_outlier_density = 0.0, log_mixture = 0.0;
+  for (int i = 0; i < 2; ++i) {
+    log_likelihood += noise_learning_.logDensity(white(i) * white(i), 2.0 * std::log(llt.matrixLLT()(i, i)));
+    log_outlier_density += logOutlierDensity(i, belief.noise(i), D(i, i));
+  }
+  const double beta = takenShare(log_likelihood, log_outlier_density, log_mixture);
+  distances_squared = beta * nu.cwiseAbs2().cwiseQuotient(D.diagonal()).array() + (1.0 - beta);
+
+  const Eigen::Matrix<double, 8, 2> K = llt.solve(PH.transpose()).transpose();
+  Matrix8d J = Matrix8d::Identity();
+  J.col(0) -= K.col(0);
+  J.col(4) -= K.col(1);
+  const Matrix8d taken = J * P * J.transpose() + K * R * K.transpose();  // (S-7)
+  const Vector8d shift = K * nu;
+  x += beta * shift;
+  P = symmetric((1.0 - beta) * P + beta * taken + beta * (1.0 - beta) * shift * shift.transpose());
+  belief.mean[0] = x.head<4>();
+  belief.mean[1] = x.tail<4>();
+  belief.covariance[0] = P.topLeftCorner<4, 4>();
+  belief.covariance[1] = P.bottomRightCorner<4, 4>();
+  belief.cross = P.topRightCorner<4, 4>();
+  return log_mixture;
+}
+
+std::optional<AngularState> NogaConsistentEstimator::stateAt(Time time) const {
+  if (!time_) return std::nullopt;
+  const double h = seconds(time - *time_);
+  if (h == 0.0) return moments(chain_.probabilities(), beliefs_);
+  return moments(chain_.predicted(h), expected(h));
+}
+
+/// Position and rates of the mixture (S-6), both channels together.
+AngularState NogaConsistentEstimator::moments(const ModeArray& weights, const Beliefs& beliefs) const {
+  std::array<Motion<4>, kMaxModes> motions;
+  for (int mode = 0; mode < modes(); ++mode) {
+    const Belief& belief = beliefs[mode];
+    Motion<4>& motion = motions[mode];
+    for (Eigen::Index i = 0; i < 2; ++i) {
+      for (int channel = 0; channel < 2; ++channel) {
+        motion.mean(2 * i + channel) = belief.mean[channel](i);
+        for (Eigen::Index j = 0; j < 2; ++j) {
+          motion.covariance(2 * i + channel, 2 * j + channel) = belief.covariance[channel](i, j);
+        }
+      }
+      for (Eigen::Index j = 0; j < 2; ++j) {
+        motion.covariance(2 * i, 2 * j + 1) = belief.cross(i, j);
+        motion.covariance(2 * j + 1, 2 * i) = belief.cross(i, j);
+      }
+    }
+  }
+  return mixture(weights, motions.data()).angularState();
+}
+
+/// Position, rate and acceleration turn exactly in the mean and by the derivative in the covariance; kappa is
+/// a property of the motion and stays.
+void NogaConsistentEstimator::rotate(const Eigen::Matrix3d& R_new_old) {
+  if (!time_) return;
+  const auto asMotion = [](const Vector8d& x) {
+    Motion<6> motion;
+    motion.mean << x(0), x(4), x(1), x(5), x(2), x(6);
+    return motion;
+  };
+  const auto turned = [&](const Vector8d& x) {
+    const Eigen::Matrix<double, 6, 1> y = rotateMotion(asMotion(x), R_new_old).mean;
+    return (Vector8d() << y(0), y(2), y(4), x(3), y(1), y(3), y(5), x(7)).finished();
+  };
+  sighting_noise_.transform(rotationJacobian({beliefs_[0].mean[0](0), beliefs_[0].mean[1](0)}, R_new_old));
+  for (int mode = 0; mode < modes(); ++mode) {
+    Belief& belief = beliefs_[mode];
+    Vector8d x;
+    Matrix8d P, J;
+    x << belief.mean[0], belief.mean[1];
+    P << belief.covariance[0], belief.cross, belief.cross.transpose(), belief.covariance[1];
+    const Vector8d centre = turned(x);
+    for (int i = 0; i < 8; ++i) {
+      const double small = 1e-6;
+      Vector8d difference = turned(x + small * Vector8d::Unit(i)) - turned(x - small * Vector8d::Unit(i));
+      difference(0) = wrapAngle(difference(0));
+      J.col(i) = difference / (2.0 * small);
+    }
+    P = symmetric(J * P * J.transpose());
+    belief.mean[0] = centre.head<4>();
+    belief.mean[1] = centre.tail<4>();
+    belief.covariance[0] = P.topLeftCorner<4, 4>();
+    belief.covariance[1] = P.bottomRightCorner<4, 4>();
+    belief.cross = P.topRightCorner<4, 4>();
+  }
+  coupled_ = coupled_ || beliefs_[0].cross.cwiseAbs().maxCoeff() > 0.0;
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,39 @@
+#include "sightline/core/estimators/noise_learning.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace sightline::core {
+namespace {
+
+constexpr int kSightingsOfTheRate = 3;  // whose innovations are those of a motion not known yet
+constexpr double kOneSighting = 0.5;    // weight of a channel's innovation
+
+}  // namespace
+
+NoiseLearning::NoiseLearning(const NoiseLearningParams& params)
+    : params_(params), weight_(kOneSighting * params.trust) {
+  if (!(params.memory > 0.0) || !(params.trust > 0.0) ||
+      !(params.min_scale > 0.0 && params.min_scale <= 1.0) || !(params.max_scale >= 1.0) ||
+      !std::isfinite(params.max_scale)) {
+    throw std::invalid_argument(
+        "NoiseLearningParams: memory > 0 s, trust > 0, min_scale in (0, 1] and a finite max_scale >= 1 are "
+        "required");
+  }
+}
+
+void NoiseLearning::next(double h) {
+  const double least = kOneSighting * params_.trust;
+  weight_ = least + (weight_ - least) * std::exp(-h / params_.memory);
+  if (sightings_ >= kSightingsOfTheRate) weight_ += kOneSighting;
+  if (sightings_ < kSightingsOfTheRate) ++sightings_;
+}
+
+double NoiseLearning::learnt(double scale, double distance_squared) const {
+  if (!params_.enabled || sightings_ < kSightingsOfTheRate) return scale;
+  const double before = weight_ - kOneSighting;
+  const double seen = scale * (before + kOneSighting * distance_squared) / weight_;
+  return std::clamp(seen, params_.min_scale, params_.max_scale);
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,150 @@
+#include "sightline/core/sensors/detection_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <Eigen/Geometry>
+
+#include "sightline/core/model/sphere.h"
+
+namespace sightline::core {
+namespace {
+
+constexpr std::size_t kMostSensors = 256;
+constexpr double kFirstProbability = 0.9;     // before anything is known ...
+constexpr double kTrustInProbability = 20.0;  // ... for so many looks
+constexpr double kLeastProbability = 0.05, kMostLearnt = 0.9, kMostTold = 0.99;
+constexpr double kFirstClutter = 1.0;    // false sightings a scan, before anything is known ...
+constexpr double kTrustInClutter = 1.0;  // ... for so many scans
+constexpr double kLeastClutter = 1e-3;   // of a scan: no sensor is free of it
+constexpr double kFirstSpread = 0.3;  // of false sightings in each angle [rad], before anything is known ...
+constexpr double kTrustInSpread = 5.0;  // ... for so many of them
+constexpr double kSphere = 4.0 * kPi;   // [sr]
+constexpr double kLongest = 300.0;      // for which births add up [s]
+
+bool byName(const CalibratedDetection& sensor, const std::string& name) {
+  return sensor.sensor < name;
+}
+
+/// A sensor of which nothing is known.
+const CalibratedDetection& unknownSensor() {
+  static const CalibratedDetection unknown;
+  return unknown;
+}
+
+/// A rectangle whose points have this variance in its two directions has the area 12 sqrt(var var).
+double solidAngleOf(const CalibratedDetection& sensor) {
+  const double first_variance = kFirstSpread * kFirstSpread;
+  Eigen::Matrix2d spread = kTrustInSpread * first_variance * Eigen::Matrix2d::Identity();
+  if (sensor.clutter > 0.0 && sensor.direction.norm() > 0.0) {
+    const Eigen::Vector3d axis = sensor.direction.normalized();
+    Eigen::Matrix<double, 3, 2> across;  // of the plane that touches the sphere
+    across.col(0) = axis.unitOrthogonal();
+    across.col(1) = axis.cross(across.col(0));
+    const Eigen::Vector2d mean = across.transpose() * sensor.direction / sensor.clutter;
+    spread += across.transpose() * sensor.scatter * across - sensor.clutter * mean * mean.transpose();
+  }
+  spread /= sensor.clutter + kTrustInSpread;
+  const double determinant = spread(0, 0) * spread(1, 1) - spread(0, 1) * spread(1, 0);
+  return std::min(12.0 * std::sqrt(std::max(determinant, 1e-18)), kSphere);
+}
+
+/// All that a scan shows may be false: it counts as such beside what has been learnt, so that the first scans
+/// of a sensor in clutter are not taken for clear ones.
+double clutterOf(const CalibratedDetection& sensor, const Scan& scan) {
+  const double shown = static_cast<double>(scan.sightings.size());
+  const double mean =
+      (sensor.clutter + shown + kTrustInClutter * kFirstClutter) / (sensor.scans + 1.0 + kTrustInClutter);
+  return std::max(mean, kLeastClutter);
+}
+
+}  // namespace
+
+DetectionCalibration::DetectionCalibration(const DetectionParams& params) : params_(params) {
+  if (!(params.probability >= 0.0 && params.probability <= 1.0) || !std::isfinite(params.clutter_density) ||
+      !(params.memory >= 10.0 && std::isfinite(params.memory)) ||
+      !(params.births > 0.0 && std::isfinite(params.births)) ||
+      !(params.first_targets > 0.0 && std::isfinite(params.first_targets))) {
+    throw std::invalid_argument(
+        "DetectionParams: probability in [0, 1], a finite clutter_density, memory >= 10, births and "
+        "first_targets > 0 are required");
+  }
+}
+
+const CalibratedDetection* DetectionCalibration::find(const std::string& sensor) const {
+  const auto place = std::lower_bound(sensors_.begin(), sensors_.end(), sensor, byName);
+  return place != sensors_.end() && place->sensor == sensor ? &*place : nullptr;
+}
+
+double DetectionCalibration::probability(const Scan& scan) const {
+  const double told = scan.detection_probability > 0.0 ? scan.detection_probability : params_.probability;
+  if (told > 0.0) return std::clamp(told, kLeastProbability, kMostTold);
+  const CalibratedDetection* sensor = find(scan.sensor);
+  if (sensor == nullptr) return kFirstProbability;
+  const double learnt =
+      (sensor->seen + kTrustInProbability * kFirstProbability) / (sensor->looked + kTrustInProbability);
+  return std::clamp(learnt, kLeastProbability, kMostLearnt);
+}
+
+double DetectionCalibration::solidAngle(const Scan& scan) const {
+  if (scan.view) return scan.view->solidAngle();
+  const CalibratedDetection* sensor = find(scan.sensor);
+  return solidAngleOf(sensor == nullptr ? unknownSensor() : *sensor);
+}
+
+double DetectionCalibration::clutterDensity(const Scan& scan) const {
+  const double told = scan.clutter_density >= 0.0 ? scan.clutter_density : params_.clutter_density;
+  const double area = solidAngle(scan);
+  if (told >= 0.0) return std::max(told, kLeastClutter / area);
+  const CalibratedDetection* sensor = find(scan.sensor);
+  return clutterOf(sensor == nullptr ? unknownSensor() : *sensor, scan) / area;
+}
+
+double DetectionCalibration::clutter(const Scan& scan) const {
+  return clutterDensity(scan) * solidAngle(scan);
+}
+
+double DetectionCalibration::newTargetOdds(const Scan& scan) const {
+  const CalibratedDetection* sensor = find(scan.sensor);
+  const double targets = sensor == nullptr ? params_.first_targets : sensor->undiscovered;
+  return targets * probability(scan) / clutter(scan);
+}
+
+double DetectionCalibration::birthDensity(const Scan& scan, double duration) const {
+  return params_.births * duration / solidAngle(scan);
+}
+
+void DetectionCalibration::take(const Scan& scan, int looked, int seen,
+                                const std::vector<double>& falseness) {
+  auto sensor = std::lower_bound(sensors_.begin(), sensors_.end(), scan.sensor, byName);
+  if (sensor == sensors_.end() || sensor->sensor != scan.sensor) {
+    if (sensors_.size() >= kMostSensors) return;
+    sensor = sensors_.insert(sensor, CalibratedDetection{});
+    sensor->sensor = scan.sensor;
+    sensor->undiscovered = params_.first_targets;
+  } else {
+    const double since_last = std::clamp(seconds(scan.time - sensor->last_scan), 0.0, kLongest);
+    sensor->undiscovered = (1.0 - probability(scan)) * sensor->undiscovered + params_.births * since_last;
+  }
+  sensor->last_scan = scan.time;
+
+  const double keep = 1.0 - 1.0 / params_.memory;
+  if (looked > 0) {
+    const double kept = std::pow(keep, looked);
+    sensor->looked = kept * sensor->looked + looked;
+    sensor->seen = kept * sensor->seen + seen;
+  }
+  sensor->scans = keep * sensor->scans + 1.0;
+  sensor->clutter *= keep;
+  sensor->direction *= keep;
+  sensor->scatter *= keep;
+  for (std::size_t j = 0; j < falseness.size(); ++j) {
+    const Eigen::Vector3d& direction = scan.sightings[j].direction;
+    sensor->clutter += falseness[j];
+    sensor->direction += falseness[j] * direction;
+    sensor->scatter += falseness[j] * (direction * direction.transpose() + scan.sightings[j].covariance);
+  }
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,51 @@
+#include "sightline/core/sensors/noise_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace sightline::core {
+namespace {
+
+constexpr std::size_t kMostSensors = 256;
+constexpr double kLargestSurprise =
+    9.0;  // squared innovation over the expected that one sighting may count for
+
+bool byName(const CalibratedSensor& sensor, const std::string& name) {
+  return sensor.sensor < name;
+}
+
+}  // namespace
+
+NoiseCalibration::NoiseCalibration(const NoiseCalibrationParams& params) : params_(params) {
+  if (!(params.trust > 0.0) || !(params.settled >= params.trust) || !std::isfinite(params.settled) ||
+      !(params.min_scale > 0.0 && params.min_scale <= 1.0) ||
+      !(params.max_scale >= 1.0 && std::isfinite(params.max_scale))) {
+    throw std::invalid_argument(
+        "NoiseCalibrationParams: trust > 0, settled >= trust, min_scale in (0, 1] and max_scale >= 1 are "
+        "required");
+  }
+}
+
+double NoiseCalibration::scale(const std::string& sensor) const {
+  const auto place = std::lower_bound(sensors_.begin(), sensors_.end(), sensor, byName);
+  return place != sensors_.end() && place->sensor == sensor ? place->scale : 1.0;
+}
+
+void NoiseCalibration::take(const std::string& sensor, const Eigen::Vector2d& innovation_squared,
+                            const Eigen::Vector2d& expected, const Eigen::Vector2d& track_scale) {
+  if (!params_.enabled) return;
+  auto place = std::lower_bound(sensors_.begin(), sensors_.end(), sensor, byName);
+  if (place == sensors_.end() || place->sensor != sensor) {
+    if (sensors_.size() >= kMostSensors) return;
+    place = sensors_.insert(place, {sensor, 1.0, 0.0});
+  }
+  const Eigen::Vector2d surprise =
+      innovation_squared.cwiseQuotient(expected).cwiseMin(kLargestSurprise).cwiseProduct(track_scale);
+  place->sightings = std::min(place->sightings + 1.0, params_.settled);
+  const double share = 1.0 / std::min(params_.trust + place->sightings, params_.settled);
+  const double learnt = place->scale * (1.0 + share * (surprise.mean() - 1.0));
+  place->scale = std::clamp(learnt, params_.min_scale, params_.max_scale);
+}
+
+}  // namespace sightline::core

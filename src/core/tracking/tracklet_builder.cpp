@@ -1,0 +1,79 @@
+#include "sightline/core/tracking/tracklet_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace sightline::core {
+namespace {
+
+constexpr std::size_t kMostWaiting = 10000;  // sightings; beyond, they are reported at once
+
+}  // namespace
+
+TrackletBuilder::TrackletBuilder(const TrackletParams& params) : params_(params) {
+  const CompressionParams& compression = params.compression;
+  if (!(params.interval >= 0.0) || !(compression.span >= 0.0) || compression.nodes < 1 ||
+      compression.nodes > kMostNodes) {
+    throw std::invalid_argument("TrackletParams: interval >= 0 s, span >= 0 s and nodes in 1 to " +
+                                std::to_string(kMostNodes) + " are required");
+  }
+}
+
+std::optional<TrackletReport> TrackletBuilder::onScan(const Scan& scan, const ScanReport& tracked) {
+  if (!tracked.dropped.empty()) return std::nullopt;
+  if (newest_ && tracked.time < *newest_) {  // the clock went back, and the tracker started again
+    pending_.clear();
+    waiting_ = 0;
+    newest_.reset();
+    reported_.reset();
+  }
+  collect(scan, tracked);
+  const Time last = newest_.value_or(tracked.time);
+  newest_ = tracked.time;
+  const Time next = tracked.time + (tracked.time - last);
+  const bool is_due = !reported_ || params_.interval == 0.0 || seconds(next - *reported_) > params_.interval;
+  if (!is_due && waiting_ < kMostWaiting) return std::nullopt;
+  return report();
+}
+
+std::optional<TrackletReport> TrackletBuilder::onTime(Time now) {
+  if (waiting_ == 0 || seconds(now - *reported_) < params_.interval) return std::nullopt;
+  return report();
+}
+
+void TrackletBuilder::collect(const Scan& scan, const ScanReport& tracked) {
+  if (!std::isfinite(tracked.noise_scale)) return;  // the scan's sensor was excluded
+  for (const Association& association : tracked.associations) {
+    const bool taken =
+        association.decision == Decision::accepted || association.decision == Decision::started_track;
+    if (!taken) continue;
+    Tracklet sighting;
+    sighting.time = scan.time;
+    sighting.sensor = scan.sensor;
+    sighting.ifov = scan.ifov;
+    sighting.sighting = scan.sightings[association.sighting];
+    sighting.sighting.covariance *= tracked.noise_scale;
+    std::vector<Tracklet>& pending = pending_[{association.track, scan.sensor}];
+    const auto place = std::upper_bound(pending.begin(), pending.end(), sighting,
+                                        [](const Tracklet& a, const Tracklet& b) { return a.time < b.time; });
+    pending.insert(place, std::move(sighting));
+    ++waiting_;
+  }
+}
+
+TrackletReport TrackletBuilder::report() {
+  TrackletReport report;
+  report.time = *newest_;
+  report.since = reported_;
+  for (const auto& [key, sightings] : pending_) {
+    for (Tracklet& tracklet : compress(sightings, params_.compression))
+      report.tracklets.push_back({key.first, std::move(tracklet)});
+  }
+  pending_.clear();
+  waiting_ = 0;
+  reported_ = newest_;
+  return report;
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,173 @@
+#include "sightline/ros/adapters/sighting_adapter_node.h"
+
+#include <boost/function.hpp>
+#include <utility>
+
+#include <diagnostic_msgs/DiagnosticStatus.h>
+#include <ros/console.h>
+
+#include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/nodes/this_node.h"
+
+namespace sightline_ros {
+namespace {
+
+using Kind = AdapterTopic::Kind;
+
+constexpr std::uint32_t kQueue = 1000;              // messages a topic
+constexpr double kSecondsBetweenDiagnostics = 1.0;  // of the wall's clock
+
+std::vector<std::uint8_t> bytesOf(const topic_tools::ShapeShifter& message) {
+  std::vector<std::uint8_t> bytes(message.size());
+  ros::serialization::OStream stream(bytes.data(), message.size());
+  message.write(stream);
+  return bytes;
+}
+
+}  // namespace
+
+SightingAdapterNode::SightingAdapterNode(ros::NodeHandle nh, ros::NodeHandle pnh)
+    : SightingAdapterNode(nh, pnh, ParamReader(pnh)) {}
+
+SightingAdapterNode::SightingAdapterNode(ros::NodeHandle nh, const ros::NodeHandle& pnh,
+                                         const ParamReader& reader)
+    : nh_(nh), boresights_(nh), diagnostics_(nh, pnh, pnh.getNamespace()) {
+  for (AdapterTopic& topic : loadAdapterTopics(reader)) {
+    sources_.push_back(std::make_unique<Source>());
+    sources_.back()->topic = std::move(topic);
+  }
+  reader.finish();
+
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("adapting", this, &SightingAdapterNode::diagnose);
+  diagnostics_timer_ =
+      nh_.createWallTimer(ros::WallDuration(kSecondsBetweenDiagnostics),
+                          [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  for (const auto& source : sources_) start(*source);
+}
+
+void SightingAdapterNode::start(Source& source) {
+  source.sightings = nh_.advertise<sightline::SightingArray>(source.topic.output, kQueue);
+  if (!source.topic.camera_info.empty()) {
+    const boost::function<void(const sensor_msgs::CameraInfo::ConstPtr&)> take =
+        [this, &source](const sensor_msgs::CameraInfo::ConstPtr& camera) { onCameraInfo(source, *camera); };
+    source.camera_info = nh_.subscribe<sensor_msgs::CameraInfo>(source.topic.camera_info, kQueue, take);
+  }
+  switch (source.topic.kind) {
+    case Kind::direction:
+      return subscribe<geometry_msgs::Vector3Stamped>(source);
+    case Kind::point:
+    case Kind::pixel:
+      return subscribe<geometry_msgs::PointStamped>(source);
+    case Kind::pose:
+      return subscribe<geometry_msgs::PoseStamped>(source);
+    case Kind::poses:
+      return subscribe<geometry_msgs::PoseArray>(source);
+    case Kind::pose_with_covariance:
+      return subscribe<geometry_msgs::PoseWithCovarianceStamped>(source);
+    case Kind::odometry:
+      return subscribe<nav_msgs::Odometry>(source);
+    case Kind::box:
+      return subscribe<sensor_msgs::RegionOfInterest>(source);
+    case Kind::cloud:
+      return subscribe<sensor_msgs::PointCloud2>(source);
+    case Kind::laser:
+      return subscribe<sensor_msgs::LaserScan>(source);
+    case Kind::fields:
+      break;
+  }
+  const boost::function<void(const topic_tools::ShapeShifter::ConstPtr&)> take =
+      [this, &source](const topic_tools::ShapeShifter::ConstPtr& message) { onAnyMessage(source, *message); };
+  source.messages = nh_.subscribe<topic_tools::ShapeShifter>(
+      source.topic.topic, kQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+}
+
+template <typename Message>
+void SightingAdapterNode::subscribe(Source& source) {
+  const boost::function<void(const boost::shared_ptr<const Message>&)> take =
+      [this, &source](const boost::shared_ptr<const Message>& message) {
+        publish(source, read(*message, source.topic, source.rays ? &*source.rays : nullptr));
+      };
+  source.messages = nh_.subscribe<Message>(source.topic.topic, kQueue, take, ros::VoidConstPtr(),
+                                           ros::TransportHints().tcpNoDelay());
+}
+
+void SightingAdapterNode::onCameraInfo(Source& source, const sensor_msgs::CameraInfo& camera) {
+  if (source.rays && isSameCalibration(camera, source.camera)) {
+    source.rays->setStamp(camera.header.stamp);
+    return;
+  }
+  if (const auto fault = faultOf(camera)) {
+    source.rays.reset();
+    note({"camera not calibrated", "topic " + source.topic.camera_info + ": " + *fault});
+    return;
+  }
+  source.rays.emplace(camera, source.topic.is_rectified);
+  source.camera = camera;
+}
+
+void SightingAdapterNode::onAnyMessage(Source& source, const topic_tools::ShapeShifter& message) {
+  try {
+    publish(source, readAny(source, message));
+  } catch (const FieldError& problem) {
+    Reading nothing(source.topic, std_msgs::Header());
+    nothing.refuse("fields not found", problem.what());
+    ++source.message_count;
+    note(nothing.refusals.front());
+  }
+}
+
+Reading SightingAdapterNode::readAny(Source& source, const topic_tools::ShapeShifter& message) {
+  if (message.getDataType() != source.topic.type) {
+    throw FieldError("it carries " + message.getDataType() + ", but type says " + source.topic.type);
+  }
+  if (!source.layout || source.layout_md5 != message.getMD5Sum()) {
+    source.layout.emplace(message.getDataType(), message.getMessageDefinition());
+    source.layout_md5 = message.getMD5Sum();
+  }
+  const std::vector<std::uint8_t> bytes = bytesOf(message);
+  return read({bytes.data(), bytes.size()}, *source.layout, source.topic,
+              source.rays ? &*source.rays : nullptr);
+}
+
+void SightingAdapterNode::publish(Source& source, const Reading& reading) {
+  ++source.message_count;
+  if (reading.unknown_covariances > 0 && source.sigma_count == 0) {
+    ROS_WARN_STREAM("topic " << source.topic.topic << ": the messages' covariance says nothing ("
+                             << reading.first_unknown << "); the configured sigma is taken from here on");
+  }
+  source.sigma_count += reading.unknown_covariances;
+  const AdaptedScan adapted = settled(reading, source.topic, ros::Time::now());
+  for (const Refusal& refusal : adapted.refusals) note(refusal);
+  if (!adapted.scan) return;
+  if (!adapted.optical_frame.empty()) boresights_.add(adapted.optical_frame);
+  source.sighting_count += adapted.scan->sightings.size();
+  source.sightings.publish(adapted.scan);
+}
+
+void SightingAdapterNode::note(const Refusal& refusal) {
+  if (const auto warning = refusals_.note(refusal, clockNow())) ROS_WARN_STREAM(*warning);
+}
+
+void SightingAdapterNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const ros::WallTime now = ros::WallTime::now();
+  const double elapsed = last_diagnosis_ ? (now - *last_diagnosis_).toSec() : 0.0;
+  last_diagnosis_ = now;
+  status.summary(DiagnosticStatus::OK, std::to_string(sources_.size()) + " topics");
+  for (const auto& source : sources_) {
+    const std::string& name = source->topic.sensor;
+    const auto fresh = static_cast<double>(source->message_count - source->message_count_before);
+    source->message_count_before = source->message_count;
+    status.addf(name + ": message rate [Hz]", "%.1f", elapsed > 0.0 ? fresh / elapsed : 0.0);
+    status.add(name + ": messages", source->message_count);
+    status.add(name + ": sightings", source->sighting_count);
+    status.add(name + ": covariance not known, sigma taken", source->sigma_count);
+    if (source->message_count == 0) {
+      status.mergeSummary(DiagnosticStatus::WARN, "no message yet on " + source->topic.topic);
+    }
+  }
+  refusals_.diagnose(status);
+}
+
+}  // namespace sightline_ros

@@ -1,0 +1,168 @@
+#include "sightline/ros/components/local_tracker_component.h"
+
+#include <algorithm>
+#include <boost/make_shared.hpp>
+#include <utility>
+
+#include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/messages/tracklet_messages.h"
+#include "sightline/ros/params/tracker_params.h"
+
+namespace sightline_ros {
+
+namespace core = sightline::core;
+
+namespace {
+
+std::string nameFrom(const ParamReader& reader, const std::string& fallback) {
+  const std::string name = reader.text("tracker_name", "");
+  return name.empty() ? fallback : name;
+}
+
+core::StampWatchParams stampWatchParams(double max_lag) {
+  core::StampWatchParams params;
+  params.max_lag = max_lag;
+  return params;
+}
+
+/// Why a tracker dropped a scan begins with the kind of reason: "late: 0.7 s older than ...".
+std::string kindOf(const std::string& reason) {
+  return reason.substr(0, reason.find(':'));
+}
+
+/// One entry for each sighting of a scan that was not used at all.
+std::vector<core::Association> allRejected(std::size_t count, const std::string& reason) {
+  std::vector<core::Association> associations(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    associations[i].sighting = static_cast<std::uint32_t>(i);
+    associations[i].decision = core::Decision::rejected_input;
+    associations[i].reason = reason;
+  }
+  return associations;
+}
+
+bool isRejected(const core::Association& association) {
+  return association.decision == core::Decision::rejected_input;
+}
+
+sightline::AssociationArray::Ptr associationArray(const std::vector<core::Association>& associations,
+                                                  const sightline::SightingArray& scan,
+                                                  const std::string& frame) {
+  auto message = boost::make_shared<sightline::AssociationArray>();
+  message->header = scan.header;
+  message->header.frame_id = frame;
+  message->sensor = scan.sensor;
+  message->associations.reserve(associations.size());
+  for (const auto& association : associations) message->associations.push_back(toMessage(association));
+  return message;
+}
+
+}  // namespace
+
+LocalTrackerComponent::LocalTrackerComponent(const ParamReader& reader, const std::string& name,
+                                             const tf2::BufferCore& transforms)
+    : LocalTrackerComponent(loadLocalTrackerParams(reader), loadTrackletParams(reader.sub("tracklets")),
+                            loadTrackerFrameParams(reader), nameFrom(reader, name), transforms) {}
+
+LocalTrackerComponent::LocalTrackerComponent(const core::LocalTrackerParams& tracker,
+                                             const core::TrackletParams& tracklets,
+                                             const FrameChangeParams& frames, std::string name,
+                                             const tf2::BufferCore& transforms)
+    : name_(std::move(name)),
+      estimator_(nameOf(tracker.estimator.kind)),
+      max_lag_(tracker.max_lag),
+      frames_(frames, transforms),
+      stamps_(stampWatchParams(tracker.max_lag)),
+      tracker_(tracker) {
+  if (tracklets.enabled) tracklets_.emplace(tracklets);
+}
+
+std::vector<TrackerReport> LocalTrackerComponent::onScan(const sightline::SightingArray::ConstPtr& scan,
+                                                         core::Time now) {
+  frames_.add(scan, now);
+  return onTransforms(now);
+}
+
+std::vector<TrackerReport> LocalTrackerComponent::onTransforms(core::Time now) {
+  std::vector<TrackerReport> reports;
+  for (FramedScan& framed : frames_.release(now)) {
+    if (framed.drop_reason.empty())
+      admit(std::move(framed), now, reports);
+    else
+      reports.push_back(track(framed));
+  }
+  return reports;
+}
+
+/// Tracks a scan, and those that it releases, unless its stamp jumps.
+void LocalTrackerComponent::admit(FramedScan framed, core::Time now, std::vector<TrackerReport>& reports) {
+  const core::Time stamp = framed.scan.time;
+  const std::string sensor = framed.scan.sensor;
+  const auto clock = now == core::Time{} ? std::nullopt : std::make_optional(now);
+  auto admitted = stamps_.take(sensor, stamp, std::move(framed), clock);
+  if (admitted.went_back) tracker_.startAnew(stamp);
+  std::string notice;
+  for (const std::string& words : admitted.notices) notice += (notice.empty() ? "" : "; ") + words;
+  for (auto& passed : admitted.passed) {
+    passed.item.drop_reason = kindOf(passed.dropped);
+    passed.item.drop_detail = passed.dropped;
+    reports.push_back(track(passed.item));
+    reports.back().notice = std::exchange(notice, "");
+    reports.back().went_back = std::exchange(admitted.went_back, std::nullopt).has_value();
+  }
+}
+
+void LocalTrackerComponent::startAnew(core::Time time) {
+  stamps_ = core::StampGate<FramedScan>(stampWatchParams(max_lag_));
+  tracker_.startAnew(time);
+}
+
+sightline::TrackletArray::Ptr LocalTrackerComponent::overdueTracklets(core::Time now) {
+  return tracklets_ ? trackletArray(tracklets_->onTime(now)) : nullptr;
+}
+
+TrackerReport LocalTrackerComponent::track(FramedScan& framed) {
+  TrackerReport report;
+  report.scan = framed.message;
+  report.drop_reason = std::move(framed.drop_reason);
+  report.drop_detail = std::move(framed.drop_detail);
+
+  std::vector<core::Association> associations;
+  if (report.drop_reason.empty()) {
+    core::ScanReport tracked = tracker_.onScan(framed.scan);
+    report.drop_reason = kindOf(tracked.dropped);
+    report.drop_detail = tracked.dropped;
+    report.changes = std::move(tracked.changes);
+    if (tracked.dropped.empty()) report.tracks = trackArray(tracked);
+    if (tracklets_) report.tracklets = trackletArray(tracklets_->onScan(framed.scan, tracked));
+    associations = std::move(tracked.associations);
+  } else {
+    associations = allRejected(framed.message->sightings.size(), report.drop_detail);
+  }
+  for (auto& [index, reason] : framed.rejections) associations[index].reason = std::move(reason);
+
+  report.rejected =
+      static_cast<std::size_t>(std::count_if(associations.begin(), associations.end(), isRejected));
+  report.associations = associationArray(associations, *framed.message, trackingFrame());
+  return report;
+}
+
+sightline::TrackletArray::Ptr LocalTrackerComponent::trackletArray(
+    std::optional<core::TrackletReport> report) const {
+  if (!report) return nullptr;
+  report->tracker = name_;
+  return boost::make_shared<sightline::TrackletArray>(toMessage(*report, trackingFrame()));
+}
+
+sightline::TrackArray::Ptr LocalTrackerComponent::trackArray(const core::ScanReport& report) const {
+  auto message = boost::make_shared<sightline::TrackArray>();
+  message->header.stamp = toRos(report.time);
+  message->header.frame_id = trackingFrame();
+  message->tracker = name_;
+  message->estimator = estimator_;
+  message->tracks.reserve(report.tracks.size());
+  for (const auto& track : report.tracks) message->tracks.push_back(toMessage(track));
+  return message;
+}
+
+}  // namespace sightline_ros

@@ -1,0 +1,229 @@
+#include "sightline/ros/components/track_fusion_component.h"
+
+#include <algorithm>
+#include <boost/make_shared.hpp>
+#include <limits>
+#include <sstream>
+
+#include "sightline/report/sensor_words.h"
+#include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/messages/tracklet_messages.h"
+#include "sightline/ros/params/track_fusion_params.h"
+
+namespace sightline_ros {
+
+namespace core = sightline::core;
+
+namespace {
+
+constexpr double kDefaultMaxFuture = 0.1;  // [s]
+const char* const kDefaultTrackingFrame = "platform_enu";
+
+std::string nameFrom(const ParamReader& reader, const std::string& fallback) {
+  const std::string name = reader.text("tracker_name", "");
+  return name.empty() ? fallback : name;
+}
+
+sightline::SourceTrack toMessage(const core::SourceTrack& row) {
+  sightline::SourceTrack message;
+  message.tracker = row.tracker;
+  message.id = row.id;
+  message.weight = row.weight;
+  message.distance_squared = row.distance_squared;
+  message.age = row.age;
+  message.reason = row.reason;
+  return message;
+}
+
+std::vector<sightline::SourceTrack> toMessages(const std::vector<core::SourceTrack>& rows) {
+  std::vector<sightline::SourceTrack> messages;
+  messages.reserve(rows.size());
+  for (const core::SourceTrack& row : rows) messages.push_back(toMessage(row));
+  return messages;
+}
+
+std::string nameOf(core::SensorVerdict verdict) {
+  switch (verdict) {
+    case core::SensorVerdict::healthy:
+      return "healthy";
+    case core::SensorVerdict::noisy:
+      return "noisy";
+    case core::SensorVerdict::biased:
+      return "biased";
+  }
+  return "";
+}
+
+sightline::SensorHealth toMessage(const core::HealthChange& change, bool undecided) {
+  sightline::SensorHealth message;
+  message.verdict = nameOf(change.verdict);
+  message.undecided = undecided;
+  message.since = toRos(change.began);
+  message.clock_behind = std::numeric_limits<double>::quiet_NaN();
+  message.noticed = toRos(change.time);
+  for (Eigen::Index channel = 0; channel < std::min<Eigen::Index>(2, change.bias.size()); ++channel)
+    message.bias[static_cast<std::size_t>(channel)] = change.bias(channel);
+  return message;
+}
+
+sightline::SensorHealth toMessage(const core::WatchedSensor& watched) {
+  sightline::SensorHealth message;
+  if (watched.last) message = toMessage(*watched.last, watched.undecided);
+  message.sensor = watched.sensor;
+  message.verdict = nameOf(watched.verdict);
+  message.noise_scale = watched.noise_scale;
+  message.reason = wordsOf(watched);
+  message.clock_behind = std::numeric_limits<double>::quiet_NaN();
+  if (!watched.clock) return message;
+  message.clock_behind = watched.clock->behind;
+  message.reason += "; " + clockWordsOf(watched);
+  return message;
+}
+
+sightline::SensorHealth toMessage(const core::SensorChange& said) {
+  sightline::SensorHealth message = toMessage(said.change, said.undecided);
+  message.sensor = said.sensor;
+  message.noise_scale = said.change.verdict == core::SensorVerdict::noisy ? said.change.scale : 1.0;
+  if (said.change.verdict == core::SensorVerdict::biased)
+    message.noise_scale = std::numeric_limits<double>::infinity();
+  if (said.undecided) message.noise_scale = 1.0;
+  message.reason = wordsOf(said);
+  return message;
+}
+
+core::LocalReport toCore(const sightline::TrackArray& message) {
+  core::LocalReport report{message.tracker, sightline_ros::toCore(message.header.stamp), {}};
+  report.tracks.reserve(message.tracks.size());
+  for (const sightline::Track& track : message.tracks) report.tracks.push_back(sightline_ros::toCore(track));
+  return report;
+}
+
+}  // namespace
+
+TrackFusionComponent::TrackFusionComponent(const ParamReader& reader, const std::string& name)
+    : name_(nameFrom(reader, name)),
+      tracking_frame_(reader.text("tracking_frame", kDefaultTrackingFrame)),
+      max_future_(reader.number("max_future", kDefaultMaxFuture, atLeast(0.0), "s")),
+      params_(loadTrackFusionParams(reader)),
+      fusion_(params_) {
+  if (tracking_frame_.empty()) throw reader.error("tracking_frame", "expected the name of a frame, got \"\"");
+}
+
+FusionResult TrackFusionComponent::onTracks(const sightline::TrackArray& local, const std::string& topic,
+                                            core::Time now) {
+  const std::string refusal = refusalOf(local.tracker, local.header, topic, origins_, now);
+  if (!refusal.empty()) return refused(local, refusal);
+
+  const core::LocalReport report = toCore(local);
+  core::FusionReport fused = fusion_.onReport(report);
+  FusionResult result;
+  result.refusal = fused.refusal;
+  result.report = fusionReport(fused);
+  if (!fused.refusal.empty()) return result;
+  note(local.tracker, local.header, topic, origins_);
+  result.tracks = trackArray(fused);
+  latest_ = std::move(fused);
+  return result;
+}
+
+std::string TrackFusionComponent::onTracklets(const sightline::TrackletArray& local, const std::string& topic,
+                                              core::Time now) {
+  std::string refusal = refusalOf(local.tracker, local.header, topic, tracklet_origins_, now);
+  if (!refusal.empty()) return refusal;
+  std::string complaint;
+  refusal = fusion_.onTracklets(sightline_ros::toCore(local, complaint));
+  if (!refusal.empty()) return refusal;
+  note(local.tracker, local.header, topic, tracklet_origins_);
+  return complaint;
+}
+
+bool TrackFusionComponent::wantsTracklets() const {
+  return params_.rule == core::FusionRule::best || params_.rule == core::FusionRule::tracklets;
+}
+
+void TrackFusionComponent::reset() {
+  fusion_.reset();
+  origins_.clear();
+  tracklet_origins_.clear();
+  latest_ = {};
+}
+
+std::string TrackFusionComponent::refusalOf(const std::string& tracker, const std_msgs::Header& header,
+                                            const std::string& topic, const Origins& origins,
+                                            core::Time now) const {
+  std::ostringstream why;
+  const core::Time stamp = sightline_ros::toCore(header.stamp);
+  const double ahead = core::seconds(stamp - now);
+  if (tracker == name_) {
+    why << "feedback: \"" << name_ << "\" is this fusion itself; it must not be fed with its own";
+  } else if (header.frame_id != tracking_frame_) {
+    why << "frame: what comes from \"" << tracker << "\" are in \"" << header.frame_id << "\", not in \""
+        << tracking_frame_ << "\" (tracking_frame); directions from another origin cannot be fused";
+  } else if (now != core::Time{} && ahead > max_future_) {
+    why << "future: the stamp of \"" << tracker << "\" is " << ahead << " s ahead of the clock (max_future "
+        << max_future_ << " s); are the computers' clocks synchronised?";
+  } else if (const auto origin = origins.find(tracker);
+             origin != origins.end() && origin->second.topic != topic &&
+             core::seconds(stamp - origin->second.newest) <= params_.reports.max_age) {
+    why << "name: \"" << tracker << "\" on " << topic << " reports on " << origin->second.topic
+        << " already; give each tracker a tracker_name of its own";
+  }
+  return why.str();
+}
+
+/// Remembers where a tracker reports.
+void TrackFusionComponent::note(const std::string& tracker, const std_msgs::Header& header,
+                                const std::string& topic, Origins& origins) const {
+  origins[tracker] = {topic, sightline_ros::toCore(header.stamp)};
+  while (origins.size() > static_cast<std::size_t>(params_.reports.max_trackers))
+    origins.erase(origins.begin()->first == tracker ? std::next(origins.begin()) : origins.begin());
+}
+
+FusionResult TrackFusionComponent::refused(const sightline::TrackArray& local, const std::string& why) const {
+  core::FusionReport report = latest_;
+  for (core::FusedTrack& track : report.tracks) track.sensor_changes.clear();  // told already
+  for (const sightline::Track& track : local.tracks) {
+    if (report.left_out.size() >= static_cast<std::size_t>(params_.reports.max_tracks)) break;
+    core::SourceTrack row;
+    row.tracker = local.tracker;
+    row.id = track.id;
+    row.age = core::seconds(latest_.time - sightline_ros::toCore(local.header.stamp));
+    row.reason = why;
+    report.left_out.push_back(row);
+  }
+  return {nullptr, fusionReport(report), why};
+}
+
+sightline::TrackArray::Ptr TrackFusionComponent::trackArray(const core::FusionReport& fused) const {
+  auto message = boost::make_shared<sightline::TrackArray>();
+  message->header.stamp = toRos(fused.time);
+  message->header.frame_id = tracking_frame_;
+  message->tracker = name_;
+  message->estimator = nameOf(params_.rule);
+  message->tracks.reserve(fused.tracks.size());
+  for (const core::FusedTrack& track : fused.tracks)
+    message->tracks.push_back(sightline_ros::toMessage(track.track));
+  return message;
+}
+
+sightline::FusionReport::Ptr TrackFusionComponent::fusionReport(const core::FusionReport& fused) const {
+  auto message = boost::make_shared<sightline::FusionReport>();
+  message->header.stamp = toRos(fused.time);
+  message->header.frame_id = tracking_frame_;
+  message->tracks.reserve(fused.tracks.size());
+  for (const core::FusedTrack& track : fused.tracks) {
+    sightline::FusedTrack row;
+    row.id = track.track.id;
+    row.rule = nameOf(track.rule);
+    row.why_not_tracklets = track.why_not_tracklets;
+    row.sources = toMessages(track.sources);
+    row.left_out = toMessages(track.left_out);
+    for (const core::WatchedSensor& watched : track.sensors) row.sensors.push_back(toMessage(watched));
+    for (const core::SensorChange& said : track.sensor_changes) row.sensor_changes.push_back(toMessage(said));
+    message->tracks.push_back(row);
+  }
+  message->left_out = toMessages(fused.left_out);
+  return message;
+}
+
+}  // namespace sightline_ros

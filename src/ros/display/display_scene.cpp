@@ -1,0 +1,407 @@
+#include "sightline/ros/display/display_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "sightline/core/model/sphere.h"
+#include "sightline/ros/messages/conversions.h"
+
+namespace sightline_ros {
+namespace {
+
+namespace core = sightline::core;
+
+constexpr double kGateOpacity = 0.035;
+constexpr std::size_t kMostFullLabels = 3;                   // of more tracks only the numbers are written
+constexpr double kShortLabelDistance = 2.5 * core::kDegree;  // of a number alone, from the track
+constexpr double kLabelDistance = 18.0 * core::kDegree;      // from the rim of the ellipse
+constexpr double kViewTolerance = 1.0;                       // from the view's axis before it is turned [rad]
+constexpr double kHardlyMoving = 0.01;                       // [rad/s]
+constexpr double kClockStep = 1.0;   // backwards, from which a recording starts anew [s]
+constexpr double kMainShell = 0.99;  // in front of all else; share of the radius
+constexpr double kOutlineStep = 4.0 * core::kDegree;
+constexpr std::size_t kMaxSensors = 64;  // at once; of others nothing is kept
+constexpr const char* kMagnifierChannel = "magnifier";
+
+Directions trailOf(const std::deque<core::TruthSample>& path) {
+  Directions line;
+  line.reserve(path.size());
+  for (const core::TruthSample& sample : path) line.push_back(core::directionOf(sample.motion.head<2>()));
+  return line;
+}
+
+/// The tracker's track nearest to a direction; nullptr when it has none.
+const sightline::Track* nearestTo(const Eigen::Vector2d& angles, const TrackMemory& tracker) {
+  const sightline::Track* nearest = nullptr;
+  double distance = std::numeric_limits<double>::infinity();
+  for (const sightline::Track& track : tracker.newest().tracks) {
+    const double arc =
+        core::angleBetween(core::directionOf(angles), core::directionOf({track.azimuth, track.elevation}));
+    if (arc < distance) nearest = &track, distance = arc;
+  }
+  return nearest;
+}
+
+double sigmaOf(const sightline::Track& track) {
+  const core::AngularState state = toCore(track).state;
+  return std::max(semiAxes(tangentCovariance(state.angles(), state.anglesCovariance())).x(), 1e-9);
+}
+
+/// Unit tangent vector beside the motion, where neither trail nor prediction is: on the side of the direction
+/// in which the camera looks. Below a target that hardly moves.
+Eigen::Vector2d sideOf(const core::AngularState& state, const Eigen::Vector2d& view) {
+  const Eigen::Vector2d motion(std::cos(state.angles().y()) * state.rates().x(), state.rates().y());
+  if (motion.norm() < kHardlyMoving) return {0.0, -1.0};
+  const Eigen::Vector2d side = Eigen::Vector2d(-motion.y(), motion.x()).normalized();
+  return side.dot(tangentTo(state.angles(), core::directionOf(view))) >= 0.0 ? side : Eigen::Vector2d(-side);
+}
+
+bool isAnythingIn(const MarkerArray& array) {
+  return std::any_of(array.markers.begin(), array.markers.end(),
+                     [](const Marker& marker) { return marker.action == Marker::ADD; });
+}
+
+bool isEstablished(const sightline::Track& track) {
+  return track.status != sightline::Track::TENTATIVE;
+}
+
+std::size_t believedIn(const sightline::TrackArray& report) {
+  return static_cast<std::size_t>(std::count_if(report.tracks.begin(), report.tracks.end(), isEstablished));
+}
+
+/// Whether a sighting may be the track's: in its gate, or hardly beyond as the gate has moved on since.
+bool isNearGate(const sightline::Gate& gate, const Eigen::Vector3d& direction) {
+  const double reach = 1.5 * std::hypot(gate.azimuth_half_width, gate.elevation_half_width);
+  return core::angleBetween(core::directionOf({gate.azimuth, gate.elevation}), direction) <= reach;
+}
+
+}  // namespace
+
+DisplayScene::DisplayScene(const DisplayParams& params, const SensorColours& colours)
+    : params_(params), colours_(colours), truth_(params.history) {}
+
+void DisplayScene::addScan(const core::Scan& scan, double now) {
+  restartWhenBack(now);
+  if (sensors_.size() >= kMaxSensors && sensors_.count(scan.sensor) == 0) return;
+  sensors_[scan.sensor].add(scan, now);
+}
+
+void DisplayScene::addTracks(const std::string& channel, const sightline::TrackArray& tracks, double now) {
+  restartWhenBack(now);
+  trackers_.try_emplace(channel, params_.history).first->second.add(tracks, now);
+}
+
+void DisplayScene::addAssociations(const std::string& channel, const sightline::AssociationArray& decisions) {
+  trackers_.try_emplace(channel, params_.history).first->second.add(decisions);
+}
+
+void DisplayScene::addTruth(const sightline::TrackArray& truth, double now) {
+  restartWhenBack(now);
+  truth_.add(truth, now);
+}
+
+void DisplayScene::restartWhenBack(double now) {
+  if (now < newest_ - kClockStep) {
+    sensors_.clear();
+    trackers_.clear();
+    truth_.clear();
+    view_.reset();
+  }
+  newest_ = now;
+}
+
+bool DisplayScene::isHeard(const TrackMemory& memory, double now) const {
+  return !memory.newest().tracks.empty() && now - memory.arrival() <= params_.silence;
+}
+
+std::map<std::string, MarkerArray> DisplayScene::draw(double now) {
+  restartWhenBack(now);
+  aimView();
+  Sheets sheets;
+  for (auto& [sensor, sightings] : sensors_) {
+    sightings.forgetBefore(now - params_.sighting_time);
+    drawSightings(sheets[sensor], sensor, now);
+  }
+  forgetSilentSensors();
+  for (auto& [channel, tracker] : trackers_) {
+    if (!isHeard(tracker, now)) tracker.clear();
+    if (channel == kMainChannel) {
+      drawMainTracks(sheets[channel], now);
+    } else {
+      drawLocalTracks(sheets[channel], channel, now);
+    }
+  }
+  if (!isHeard(truth_, now)) truth_.clear();
+  drawTruth(sheets[kTruthChannel]);
+  drawMagnified(sheets[kMagnifierChannel], now);
+  dropWhatStaysEmpty(sheets);
+  return sheets;
+}
+
+void DisplayScene::forgetSilentSensors() {
+  for (auto sensor = sensors_.begin(); sensor != sensors_.end();) {
+    sensor = sensor->second.seen().empty() ? sensors_.erase(sensor) : std::next(sensor);
+  }
+}
+
+void DisplayScene::dropWhatStaysEmpty(Sheets& sheets) {
+  std::set<std::string> full;
+  for (auto sheet = sheets.begin(); sheet != sheets.end();) {
+    const bool is_full = isAnythingIn(sheet->second);
+    if (is_full) full.insert(sheet->first);
+    sheet = is_full || full_.count(sheet->first) > 0 ? std::next(sheet) : sheets.erase(sheet);
+  }
+  full_ = std::move(full);
+}
+
+Colour DisplayScene::colourOf(const std::string& sensor, const SightingMemory::Seen& seen, double now) const {
+  const double freshness = std::clamp(1.0 - (now - seen.arrival) / params_.sighting_time, 0.0, 1.0);
+  return withAlpha(colours_.of(sensor), 0.1 + 0.8 * freshness);
+}
+
+void DisplayScene::drawSightings(MarkerArray& array, const std::string& sensor, double now) const {
+  Marker dots = dotSheet(params_.canvas, "sightings", 0.8 * core::kDegree);
+  for (const SightingMemory::Seen& seen : sensors_.at(sensor).seen()) {
+    drawDot(dots, params_.canvas, seen.direction, colourOf(sensor, seen, now));
+  }
+  array.markers.push_back(finished(std::move(dots)));
+}
+
+void DisplayScene::drawLocalTracks(MarkerArray& array, const std::string& channel, double now) const {
+  const TrackMemory& tracker = trackers_.at(channel);
+  const Colour colour = colours_.of(channel);
+  Marker dots = dotSheet(params_.canvas, "tracks", 0.9 * core::kDegree);
+  Marker ellipses = lineSheet(params_.canvas, "2-sigma ellipses", 0.2 * core::kDegree);
+  Marker sources = lineSheet(params_.canvas, "sources", 0.1 * core::kDegree);
+  for (const sightline::Track& track : tracker.newest().tracks) {
+    const core::AngularState state = toCore(track).state;
+    drawDot(dots, params_.canvas, core::directionOf(state.angles()),
+            withAlpha(colour, isEstablished(track) ? 1.0 : 0.4));
+    if (!isEstablished(track)) continue;
+    drawUncertainty(ellipses, params_.canvas, state, dimmed(colour, 0.65));
+    if (track.sources.size() > 1) drawSources(sources, track, now);
+  }
+  for (Marker* sheet : {&dots, &ellipses, &sources}) array.markers.push_back(finished(std::move(*sheet)));
+  drawGates(array, tracker);
+}
+
+void DisplayScene::drawGates(MarkerArray& array, const TrackMemory& tracker) const {
+  static const std::array<std::pair<GateOutcome, const char*>, 4> kOutcomes = {
+      {{GateOutcome::accepted, "gates: accepted (green)"},
+       {GateOutcome::nothing_seen, "gates: nothing seen (grey)"},
+       {GateOutcome::claimed_by_other, "gates: claimed by other (red)"},
+       {GateOutcome::tentative, "gates: tentative (yellow)"}}};
+  for (const auto& [outcome, name] : kOutcomes) {
+    Marker patches = patchSheet(params_.canvas, name);
+    Marker rims = lineSheet(params_.canvas, name, 0.1 * core::kDegree);
+    rims.id = 1;
+    for (const sightline::Track& track : tracker.newest().tracks) {
+      if (outcomeOf(track, tracker.wasClaimed(track.id)) != outcome) continue;
+      const auto rectangle = rectangleOf(track.gate);
+      if (!rectangle) continue;
+      const Colour colour = sightline_ros::colourOf(outcome);
+      drawPatch(patches, params_.canvas, *rectangle, withAlpha(colour, kGateOpacity));
+      drawLine(rims, params_.canvas, rectangleOutline(*rectangle, kOutlineStep), dimmed(colour, 0.5));
+    }
+    array.markers.push_back(finished(std::move(patches)));
+    array.markers.push_back(finished(std::move(rims)));
+  }
+}
+
+void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
+  Canvas canvas = params_.canvas;
+  canvas.radius *= kMainShell;
+  const TrackMemory& tracker = trackers_.at(kMainChannel);
+  const bool is_crowd = believedIn(tracker.newest()) > kMostFullLabels;
+  Marker dots = dotSheet(canvas, "tracks", 1.2 * core::kDegree);
+  Marker ellipses = lineSheet(canvas, "2-sigma ellipses", 0.45 * core::kDegree);
+  Marker trails = lineSheet(canvas, "histories", 0.4 * core::kDegree);
+  Marker predictions = lineSheet(canvas, "predictions", 0.15 * core::kDegree);
+  Marker sources = lineSheet(canvas, "sources", 0.2 * core::kDegree);
+  for (const sightline::Track& track : tracker.newest().tracks) {
+    const core::AngularState state = toCore(track).state;
+    const Colour colour = dimmed(mainColour(), track.status == sightline::Track::CONFIRMED ? 1.0 : 0.5);
+    drawDot(dots, canvas, core::directionOf(state.angles()), colour);
+    if (!isEstablished(track)) continue;
+    drawUncertainty(ellipses, canvas, state, colour);
+    drawFadingLine(trails, canvas, trailOf(tracker.pathOf(track.id)), dimmed(colour, 0.8));
+    drawPrediction(predictions, canvas, state, params_.prediction, dimmed(colour, 0.8));
+    drawSources(sources, track, now);
+    array.markers.push_back(labelMarker(track, is_crowd));
+  }
+  for (Marker* sheet : {&dots, &ellipses, &trails, &predictions, &sources}) {
+    array.markers.push_back(finished(std::move(*sheet)));
+  }
+  drawGates(array, tracker);
+}
+
+/// In a crowd the number has to do, close by.
+Marker DisplayScene::labelMarker(const sightline::Track& track, bool is_crowd) const {
+  const core::AngularState state = toCore(track).state;
+  if (is_crowd) {
+    return textMarker(params_.canvas, "labels", static_cast<int>(track.id),
+                      walk(state.angles(), kShortLabelDistance * sideOf(state, view())),
+                      std::to_string(track.id), 2.4 * core::kDegree, mainColour());
+  }
+  const double distance = std::min(2.0 * sigmaOf(track), 0.3) + kLabelDistance;
+  return textMarker(params_.canvas, "labels", static_cast<int>(track.id),
+                    walk(state.angles(), distance * sideOf(state, view())), labelOf(track) + errorText(track),
+                    3.2 * core::kDegree, mainColour());
+}
+
+void DisplayScene::drawSources(Marker& lines, const sightline::Track& track, double now) const {
+  const Eigen::Vector3d place = core::directionOf({track.azimuth, track.elevation});
+  for (const std::string& source : track.sources) {
+    const auto direction = directionOfSource(source, track, now);
+    if (!direction) continue;
+    drawLine(lines, params_.canvas, {place, *direction}, colours_.of(source));
+  }
+}
+
+std::optional<Eigen::Vector3d> DisplayScene::directionOfSource(const std::string& source,
+                                                               const sightline::Track& of, double now) const {
+  const auto tracker = trackers_.find(source);
+  if (tracker != trackers_.end() && isHeard(tracker->second, now)) {
+    const sightline::Track* track = nearestTo({of.azimuth, of.elevation}, tracker->second);
+    return core::directionOf({track->azimuth, track->elevation});
+  }
+  const auto sensor = sensors_.find(source);
+  if (sensor == sensors_.end()) return std::nullopt;
+  const auto& seen = sensor->second.seen();
+  const auto own = std::find_if(seen.rbegin(), seen.rend(), [&of](const SightingMemory::Seen& sighting) {
+    return isNearGate(of.gate, sighting.direction);
+  });
+  return own == seen.rend() ? std::nullopt : std::optional<Eigen::Vector3d>(own->direction);
+}
+
+std::string DisplayScene::errorText(const sightline::Track& track) const {
+  const TrackMemory& tracker = trackers_.at(kMainChannel);
+  const core::Time common = toCore(std::min(tracker.newest().header.stamp, truth_.newest().header.stamp));
+  const auto estimated = tracker.anglesAt(track.id, common);
+  if (!estimated) return "";
+  double error = std::numeric_limits<double>::infinity();
+  for (const sightline::Track& target : truth_.newest().tracks) {
+    const auto truth = truth_.anglesAt(target.id, common);
+    if (!truth) continue;
+    error = std::min(error, core::angleBetween(core::directionOf(*estimated), core::directionOf(*truth)));
+  }
+  return std::isfinite(error) ? "\nerror " + readableAngle(error, sigmaOf(track)) : "";
+}
+
+void DisplayScene::drawTruth(MarkerArray& array) const {
+  Marker paths = lineSheet(params_.canvas, "paths", 0.12 * core::kDegree);
+  Marker targets = lineSheet(params_.canvas, "targets", 0.3 * core::kDegree);
+  for (const sightline::Track& target : truth_.newest().tracks) {
+    drawFadingLine(paths, params_.canvas, trailOf(truth_.pathOf(target.id)), truthColour());
+    drawCross(targets, params_.canvas, {target.azimuth, target.elevation}, 4.0 * core::kDegree,
+              truthColour());
+  }
+  for (Marker* sheet : {&paths, &targets}) array.markers.push_back(finished(std::move(*sheet)));
+}
+
+void DisplayScene::aimView() {
+  const auto direction = attention();
+  if (!direction) return;
+  const Eigen::Vector2d target = core::anglesOf(*direction);
+  if (!view_) view_ = {target.x(), 0.0};
+  const Eigen::Vector2d from_target = tangentTo(target, core::directionOf(*view_));
+  const double distance = from_target.norm();
+  if (distance > kViewTolerance) {
+    view_ = core::anglesOf(walk(target, kViewTolerance / distance * from_target));
+  }
+}
+
+std::optional<Eigen::Vector3d> DisplayScene::attention() const {
+  if (const sightline::Track* track = leadingTrack()) {
+    return core::directionOf({track->azimuth, track->elevation});
+  }
+  const SightingMemory::Seen* latest = nullptr;
+  for (const auto& [sensor, memory] : sensors_) {
+    if (memory.seen().empty()) continue;
+    const SightingMemory::Seen& seen = memory.seen().back();
+    if (latest == nullptr || seen.arrival > latest->arrival) latest = &seen;
+  }
+  if (latest == nullptr) return std::nullopt;
+  return latest->direction;
+}
+
+const sightline::Track* DisplayScene::leadingTrack() const {
+  const auto main = trackers_.find(kMainChannel);
+  if (main == trackers_.end()) return nullptr;
+  const auto& tracks = main->second.newest().tracks;
+  const auto track = std::find_if(tracks.begin(), tracks.end(), isEstablished);
+  return track != tracks.end() ? &*track : nullptr;
+}
+
+void DisplayScene::drawMagnified(MarkerArray& array, double now) {
+  Marker rim = lineSheet(params_.canvas, "rim", 0.15 * core::kDegree);
+  Marker dots = dotSheet(params_.canvas, "sightings and tracks", 0.7 * core::kDegree);
+  Marker lines = lineSheet(params_.canvas, "2-sigma ellipses and truth", 0.2 * core::kDegree);
+  const sightline::Track* track = leadingTrack();
+  const double two_sigma = track ? 2.0 * sigmaOf(*track) : 0.0;
+  if (track && Magnifier::isNeededFor(two_sigma)) {
+    magnification_ = Magnifier::factorFor(two_sigma, magnification_);
+    const core::AngularState state = toCore(*track).state;
+    const Magnifier magnifier(state.angles(), sideOf(state, view()), magnification_);
+    magnifier.drawRim(rim, params_.canvas, dimmed(mainColour(), 0.7));
+    array.markers.push_back(magnifier.label(params_.canvas, mainColour()));
+    magnifySightings(dots, magnifier, track->id, now);
+    magnifyTracks(lines, magnifier, *track);
+  } else {
+    magnification_ = 0.0;
+  }
+  for (Marker* sheet : {&rim, &dots, &lines}) array.markers.push_back(finished(std::move(*sheet)));
+}
+
+void DisplayScene::magnifySightings(Marker& dots, const Magnifier& magnifier, std::uint32_t track,
+                                    double now) const {
+  const TrackMemory& main = trackers_.at(kMainChannel);
+  for (const auto& [sensor, memory] : sensors_) {
+    for (const SightingMemory::Seen& seen : memory.seen()) {
+      const auto then = main.anglesAt(track, seen.time);
+      if (!then) continue;
+      const Eigen::Vector2d place = magnifier.place(seen.direction, *then);
+      if (!magnifier.shows(place)) continue;
+      drawDot(dots, params_.canvas, core::directionOf(place), colourOf(sensor, seen, now));
+    }
+  }
+}
+
+void DisplayScene::magnifyTracks(Marker& lines, const Magnifier& magnifier,
+                                 const sightline::Track& main) const {
+  const auto drawEllipse = [&](const sightline::Track& track, const Eigen::Vector2d& place,
+                               const Colour& colour) {
+    const core::AngularState state = toCore(track).state;
+    magnifier.drawEllipse(lines, params_.canvas, place,
+                          magnifier.magnified(state.angles(), state.anglesCovariance()), colour);
+  };
+  drawEllipse(main, magnifier.centre(), mainColour());
+  for (const auto& [channel, tracker] : trackers_) {
+    if (channel == kMainChannel) continue;
+    for (const sightline::Track& local : tracker.newest().tracks) {
+      const auto place = placeBeside(main.id, tracker, local.id, magnifier);
+      if (place && isEstablished(local)) drawEllipse(local, *place, dimmed(colours_.of(channel), 0.8));
+    }
+  }
+  for (const sightline::Track& target : truth_.newest().tracks) {
+    const auto place = placeBeside(main.id, truth_, target.id, magnifier);
+    if (place) drawCross(lines, params_.canvas, *place, 1.5 * core::kDegree, truthColour());
+  }
+}
+
+std::optional<Eigen::Vector2d> DisplayScene::placeBeside(std::uint32_t main_track, const TrackMemory& tracker,
+                                                         std::uint32_t track,
+                                                         const Magnifier& magnifier) const {
+  const TrackMemory& main = trackers_.at(kMainChannel);
+  const core::Time common = toCore(std::min(main.newest().header.stamp, tracker.newest().header.stamp));
+  const auto main_angles = main.anglesAt(main_track, common);
+  const auto angles = tracker.anglesAt(track, common);
+  if (!main_angles || !angles) return std::nullopt;
+  const Eigen::Vector2d place = magnifier.place(core::directionOf(*angles), *main_angles);
+  if (!magnifier.shows(place)) return std::nullopt;
+  return place;
+}
+
+}  // namespace sightline_ros

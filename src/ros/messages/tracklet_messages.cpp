@@ -1,0 +1,80 @@
+#include "sightline/ros/messages/tracklet_messages.h"
+
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "sightline/core/model/sphere.h"
+#include "sightline/ros/messages/conversions.h"
+
+namespace sightline_ros {
+
+namespace core = sightline::core;
+
+namespace {
+
+std::optional<std::string> complaintAbout(const sightline::Tracklet& message, const ros::Time& newest,
+                                          const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
+  if (message.track == 0) return "id 0 means no track; ids start at 1";
+  if (message.sensor.empty()) return "the sensor is not named";
+  if (message.stamp > newest) return "its stamp is after the message's";
+  if (!(message.sightings > 0.0) || !std::isfinite(message.sightings))
+    return "sightings " + std::to_string(message.sightings) + " is not a number > 0";
+  return core::rejectionOf(angles, covariance);
+}
+
+}  // namespace
+
+sightline::TrackletArray toMessage(const core::TrackletReport& report, const std::string& frame) {
+  sightline::TrackletArray message;
+  message.header.stamp = toRos(report.time);
+  message.header.frame_id = frame;
+  message.tracker = report.tracker;
+  if (report.since) message.since = toRos(*report.since);
+  message.tracklets.resize(report.tracklets.size());
+  for (std::size_t i = 0; i < report.tracklets.size(); ++i) {
+    const core::Tracklet& tracklet = report.tracklets[i].tracklet;
+    sightline::Tracklet& row = message.tracklets[i];
+    const Eigen::Vector2d angles = core::anglesOf(tracklet.sighting.direction);
+    const Eigen::Matrix2d covariance = core::anglesCovariance(tracklet.sighting);
+    row.track = report.tracklets[i].track;
+    row.sensor = tracklet.sensor;
+    row.stamp = toRos(tracklet.time);
+    row.azimuth = angles.x();
+    row.elevation = angles.y();
+    row.covariance = {covariance(0, 0), covariance(0, 1), covariance(1, 0), covariance(1, 1)};
+    row.sightings = tracklet.sightings;
+    row.ifov = tracklet.ifov;
+  }
+  return message;
+}
+
+core::TrackletReport toCore(const sightline::TrackletArray& message, std::string& complaint) {
+  core::TrackletReport report;
+  report.tracker = message.tracker;
+  report.time = toCore(message.header.stamp);
+  if (!message.since.isZero()) report.since = toCore(message.since);
+  for (const sightline::Tracklet& row : message.tracklets) {
+    const Eigen::Vector2d angles(row.azimuth, row.elevation);
+    const Eigen::Matrix2d covariance =
+        (Eigen::Matrix2d() << row.covariance[0], row.covariance[1], row.covariance[2], row.covariance[3])
+            .finished();
+    if (const auto why = complaintAbout(row, message.header.stamp, angles, covariance)) {
+      complaint = "invalid: tracklet of track " + std::to_string(row.track) + " of \"" + message.tracker +
+                  "\" by \"" + row.sensor + "\": " + *why;
+      continue;
+    }
+    core::TrackTracklet it;
+    it.track = row.track;
+    it.tracklet.time = toCore(row.stamp);
+    it.tracklet.sensor = row.sensor;
+    it.tracklet.ifov = row.ifov;
+    it.tracklet.sighting = core::sightingOf(angles, covariance);
+    it.tracklet.sightings = row.sightings;
+    report.tracklets.push_back(std::move(it));
+  }
+  return report;
+}
+
+}  // namespace sightline_ros

@@ -1,0 +1,98 @@
+#include "sightline/ros/nodes/local_tracker_node.h"
+
+#include <ros/console.h>
+#include <sightline/AssociationArray.h>
+#include <sightline/TrackArray.h>
+#include <sightline/TrackletArray.h>
+
+#include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/nodes/this_node.h"
+
+namespace sightline_ros {
+namespace {
+
+constexpr std::uint32_t kQueue = 1000;                 // messages a topic
+constexpr double kSecondsBetweenTimeoutChecks = 0.02;  // of the wall's clock
+constexpr double kSecondsBetweenDiagnostics = 1.0;     // of the wall's clock
+
+}  // namespace
+
+LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
+    : LocalTrackerNode(nh, pnh, ParamReader(pnh)) {}
+
+LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh, const ParamReader& reader)
+    : nh_(nh),
+      component_(reader, nameOfNode(pnh), transforms_),
+      health_(LocalTrackerHealth::silenceFrom(reader), {component_.maxLag(), component_.maxFuture()}),
+      diagnostics_(nh, pnh, pnh.getNamespace()) {
+  const std::vector<std::string> topics = reader.requiredTexts("sighting_topics");
+  reader.finish();
+
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("tracking", this, &LocalTrackerNode::diagnose);
+  tracks_ = nh_.advertise<sightline::TrackArray>("tracks", kQueue);
+  tracklets_ = nh_.advertise<sightline::TrackletArray>("tracklets", kQueue);
+  associations_ = nh_.advertise<sightline::AssociationArray>("associations", kQueue);
+  transform_subscriber_ = std::make_unique<TransformSubscriber>(nh_, transforms_, [this] { onTransforms(); });
+  timeout_timer_ = nh_.createWallTimer(ros::WallDuration(kSecondsBetweenTimeoutChecks),
+                                       [this](const ros::WallTimerEvent&) { onTimer(); });
+  diagnostics_timer_ =
+      nh_.createWallTimer(ros::WallDuration(kSecondsBetweenDiagnostics),
+                          [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  subscribe(topics);
+}
+
+void LocalTrackerNode::subscribe(const std::vector<std::string>& topics) {
+  std::string all;
+  for (const std::string& topic : topics) {
+    sightings_.push_back(
+        nh_.subscribe(topic, kQueue, &LocalTrackerNode::onScan, this, ros::TransportHints().tcpNoDelay()));
+    all += " " + sightings_.back().getTopic();
+  }
+  ROS_INFO_STREAM(component_.name() << ": " << component_.estimator() << " in frame "
+                                    << component_.trackingFrame() << ", listens to" << all);
+}
+
+void LocalTrackerNode::onScan(const sightline::SightingArray::ConstPtr& scan) {
+  const sightline::core::Time now = clockNow();
+  health_.noteArrival(*scan, now);
+  publish(component_.onScan(scan, now));
+}
+
+void LocalTrackerNode::onTransforms() {
+  if (component_.waiting() > 0) publish(component_.onTransforms(clockNow()));
+}
+
+void LocalTrackerNode::onTimer() {
+  onTransforms();
+  if (const auto overdue = component_.overdueTracklets(clockNow())) tracklets_.publish(overdue);
+}
+
+void LocalTrackerNode::publish(const std::vector<TrackerReport>& reports) {
+  for (const TrackerReport& report : reports) {
+    if (report.tracklets) tracklets_.publish(report.tracklets);
+    if (report.tracks) tracks_.publish(report.tracks);
+    associations_.publish(report.associations);
+    health_.note(report);
+    warnOf(report);
+  }
+}
+
+void LocalTrackerNode::warnOf(const TrackerReport& report) {
+  if (!report.notice.empty()) ROS_WARN_STREAM(component_.name() << ": " << report.notice);
+  for (const std::string& line : health_.sensorLines(report, clockNow()))
+    ROS_WARN_STREAM(component_.name() << ": " << line);
+  if (const auto warning = health_.warningAbout(report, clockNow())) {
+    ROS_WARN_STREAM(component_.name() << ": " << *warning);
+  }
+}
+
+void LocalTrackerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const std::vector<sightline::core::WatchedSensor> watched = component_.sensors();
+  for (const std::string& line : health_.clockLines(watched))
+    ROS_WARN_STREAM(component_.name() << ": " << line);
+  health_.diagnose(clockNow(), component_.waiting(), status, watched, component_.calibratedSensors(),
+                   component_.stamps(), component_.detection());
+}
+
+}  // namespace sightline_ros

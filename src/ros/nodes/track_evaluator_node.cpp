@@ -1,0 +1,223 @@
+#include "sightline/ros/nodes/track_evaluator_node.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+#include <unistd.h>
+
+#include <ros/ros.h>
+#include <sightline/Evaluation.h>
+
+#include "sightline/report/evaluation_text.h"
+#include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/messages/evaluation_messages.h"
+#include "sightline/ros/nodes/this_node.h"
+#include "sightline/ros/params/evaluation_params.h"
+
+namespace sightline_ros {
+
+namespace core = sightline::core;
+
+namespace {
+
+constexpr std::uint32_t kQueue = 1000;           // messages a topic
+constexpr double kSecondsBetweenReports = 1.0;   // of the wall's clock
+constexpr double kSecondsBetweenReleases = 0.1;  // of the wall's clock
+constexpr double kSecondsBetweenWarnings = 10.0;
+constexpr double kSecondsForTheLast =
+    0.5;  // of the wall's clock, for what is on its way when the duration is over
+
+std::vector<std::string> ofSixSensors(const std::string& last) {
+  std::vector<std::string> topics;
+  for (const char* group : {"acquisition_", "tracking_"}) {
+    for (const char* number : {"1", "2", "3"})
+      topics.push_back(std::string("/sensors/") + group + number + "/" + last);
+  }
+  return topics;
+}
+
+/// A table that cannot be written is said before the run that it would be lost with.
+void checkWritable(const ParamReader& reader, const std::string& table_file) {
+  if (table_file.empty() || std::ofstream(table_file, std::ios::app)) return;
+  throw reader.error("table_file", "expected a file that can be written, got \"" + table_file + "\" (" +
+                                       std::strerror(errno) +
+                                       "): name a folder that is there, with its full path");
+}
+
+TrackEvaluatorParams loadAll(const ParamReader& reader) {
+  TrackEvaluatorParams params = loadTrackEvaluatorParams(reader);
+  reader.finish();
+  checkWritable(reader, params.table_file);
+  return params;
+}
+
+bool haveSeveralTargets(const std::vector<core::TargetRow>& rows) {
+  return std::any_of(rows.begin(), rows.end(),
+                     [&rows](const core::TargetRow& row) { return row.target != rows.front().target; });
+}
+
+}  // namespace
+
+TrackEvaluatorParams::TrackEvaluatorParams()
+    : sighting_topics(ofSixSensors("sightings")), track_topics(ofSixSensors("tracks")) {
+  for (const char* group : {"/groups/acquisition", "/groups/tracking", "/sensor_fusion", "/fusion"}) {
+    track_topics.push_back(std::string(group) + "/tracks");
+  }
+}
+
+TrackEvaluatorParams loadTrackEvaluatorParams(const ParamReader& reader) {
+  TrackEvaluatorParams params;
+  params.evaluation = loadEvaluationParams(reader, params.evaluation);
+  params.frames = loadFrameChangeParams(reader, params.frames);
+  params.frames.attitude = loadAttitudeParams(reader, params.frames.attitude);
+  params.sighting_topics = reader.texts("sighting_topics", params.sighting_topics);
+  params.track_topics = reader.texts("track_topics", params.track_topics);
+  params.live = reader.flag("live", params.live);
+  params.duration = reader.number("duration", params.duration, atLeast(0.0), "s");
+  params.table_file = reader.text("table_file", params.table_file);
+  return params;
+}
+
+TrackEvaluatorNode::TrackEvaluatorNode(ros::NodeHandle nh, ros::NodeHandle pnh)
+    : nh_(nh), params_(loadAll(ParamReader(pnh))), evaluation_(params_.evaluation) {
+  publisher_ = nh_.advertise<sightline::Evaluation>("/evaluation", 10, true);
+  transform_subscriber_.emplace(nh_, transforms_, [this] { releaseScans(); });
+  subscribe();
+  release_timer_ = nh_.createWallTimer(ros::WallDuration(kSecondsBetweenReleases),
+                                       [this](const ros::WallTimerEvent&) { releaseScans(); });
+  second_timer_ = nh_.createWallTimer(ros::WallDuration(kSecondsBetweenReports),
+                                      [this](const ros::WallTimerEvent&) { everySecond(); });
+}
+
+TrackEvaluatorNode::~TrackEvaluatorNode() {
+  printTable();
+}
+
+void TrackEvaluatorNode::subscribe() {
+  const auto promptly = ros::TransportHints().tcpNoDelay();
+  for (const std::string& name : params_.sighting_topics) {
+    const std::string topic = nh_.resolveName(name);
+    evaluation_.expectSightings(topic);
+    frame_changes_.try_emplace(topic, params_.frames, transforms_);
+    const boost::function<void(const sightline::SightingArray::ConstPtr&)> take =
+        [this, topic](const sightline::SightingArray::ConstPtr& scan) { onScan(topic, scan); };
+    subscribers_.push_back(
+        nh_.subscribe<sightline::SightingArray>(name, kQueue, take, ros::VoidConstPtr(), promptly));
+  }
+  for (const std::string& name : params_.track_topics) {
+    const std::string topic = nh_.resolveName(name);
+    evaluation_.expectTracks(topic);
+    const boost::function<void(const sightline::TrackArray::ConstPtr&)> take =
+        [this, topic](const sightline::TrackArray::ConstPtr& tracks) { onTracks(topic, *tracks); };
+    subscribers_.push_back(
+        nh_.subscribe<sightline::TrackArray>(name, kQueue, take, ros::VoidConstPtr(), promptly));
+  }
+  const boost::function<void(const sightline::TrackArray::ConstPtr&)> take =
+      [this](const sightline::TrackArray::ConstPtr& truth) { onTruth(*truth); };
+  subscribers_.push_back(
+      nh_.subscribe<sightline::TrackArray>("/truth", kQueue, take, ros::VoidConstPtr(), promptly));
+}
+
+void TrackEvaluatorNode::onTruth(const sightline::TrackArray& truth) {
+  if (!isInTrackingFrame("/truth", truth.header.frame_id)) return;
+  evaluation_.addTruth(toCore(truth.header.stamp), motionsOf(truth));
+  endAfterDuration(truth_span_, toCore(truth.header.stamp));
+}
+
+void TrackEvaluatorNode::onScan(const std::string& topic, const sightline::SightingArray::ConstPtr& scan) {
+  frame_changes_.at(topic).add(scan, clockNow());
+  releaseScans();
+}
+
+void TrackEvaluatorNode::onTracks(const std::string& topic, const sightline::TrackArray& tracks) {
+  if (!isInTrackingFrame(topic, tracks.header.frame_id)) return;
+  evaluation_.addTracks(topic, reportOf(tracks));
+  if (!truth_span_) endAfterDuration(track_span_, toCore(tracks.header.stamp));
+}
+
+void TrackEvaluatorNode::releaseScans() {
+  for (auto& [topic, frame_change] : frame_changes_) {
+    for (FramedScan& framed : frame_change.release(clockNow())) {
+      if (framed.drop_reason.empty()) {
+        evaluation_.addScan(topic, std::move(framed.scan));
+      } else {
+        drop(topic, framed.drop_reason, framed.drop_detail);
+      }
+    }
+  }
+}
+
+bool TrackEvaluatorNode::isInTrackingFrame(const std::string& topic, const std::string& frame) {
+  if (frame == params_.frames.tracking_frame) return true;
+  drop(topic, "another frame",
+       "it is in frame \"" + frame + "\" and not in tracking_frame \"" + params_.frames.tracking_frame +
+           "\": give trackers and evaluator the same one");
+  return false;
+}
+
+void TrackEvaluatorNode::drop(const std::string& topic, const std::string& reason,
+                              const std::string& detail) {
+  ++dropped_[topic + ": " + reason];
+  ROS_WARN_STREAM_THROTTLE(kSecondsBetweenWarnings,
+                           "a message on " << topic << " is not evaluated: " << detail);
+}
+
+void TrackEvaluatorNode::endAfterDuration(std::optional<Span>& span, core::Time stamp) {
+  if (!span) span = Span{stamp, stamp};
+  span->last = std::max(span->last, stamp);
+  const bool is_over = params_.duration > 0.0 && core::seconds(span->last - span->first) >= params_.duration;
+  if (!is_over || end_timer_) return;
+  end_timer_ = nh_.createWallTimer(
+      ros::WallDuration(kSecondsForTheLast), [](const ros::WallTimerEvent&) { ros::requestShutdown(); },
+      true);
+}
+
+double TrackEvaluatorNode::elapsed() const {
+  const std::optional<Span>& span = truth_span_ ? truth_span_ : track_span_;
+  return span ? core::seconds(span->last - span->first) : 0.0;
+}
+
+void TrackEvaluatorNode::everySecond() {
+  sightline::Evaluation message = toMessage(evaluation_);
+  message.header.frame_id = params_.frames.tracking_frame;
+  publisher_.publish(message);
+  if (params_.live) printLive();
+}
+
+void TrackEvaluatorNode::printLive() {
+  const std::string summary = liveSummary(evaluation_.rows(), evaluation_.bestSigma(), elapsed());
+  if (isatty(STDOUT_FILENO) != 0) {
+    if (live_lines_ > 0) std::cout << "\033[" << live_lines_ << "A\033[J";  // over the last one
+    live_lines_ = static_cast<int>(std::count(summary.begin(), summary.end(), '\n'));
+  }
+  std::cout << summary << std::flush;
+}
+
+std::string TrackEvaluatorNode::table() const {
+  const std::vector<core::EvaluationRow> rows = evaluation_.rows();
+  const std::vector<core::TargetRow> targets = evaluation_.targetRows();
+  EvaluationTableStyle style;
+  style.gospa = haveSeveralTargets(targets);
+  std::ostringstream table;
+  table << "\nEvaluation of " << readable(elapsed()) << " s\n"
+        << evaluationTable(rows, evaluation_.bestSigma(), style) << livesTable(rows)
+        << (style.gospa ? targetTable(targets) : "");
+  for (const auto& [reason, count] : dropped_)
+    table << "dropped " << count << " messages on " << reason << "\n";
+  return table.str();
+}
+
+void TrackEvaluatorNode::printTable() const {
+  const std::string text = table();
+  if (!params_.table_file.empty()) {
+    std::ofstream file(params_.table_file);
+    if (file << text << std::flush) return;
+    std::cerr << params_.table_file << ": the table cannot be written there, it comes here instead\n";
+  }
+  std::cout << text << std::flush;
+}
+
+}  // namespace sightline_ros

@@ -1,0 +1,120 @@
+#include "sightline/ros/nodes/track_fusion_node.h"
+
+#include <set>
+
+#include <ros/console.h>
+#include <ros/names.h>
+#include <sightline/FusionReport.h>
+
+#include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/nodes/this_node.h"
+
+namespace sightline_ros {
+namespace {
+
+constexpr std::uint32_t kQueue = 1000;              // messages a topic
+constexpr double kSecondsBetweenDiagnostics = 1.0;  // of the wall's clock
+
+std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHandle& nh) {
+  std::set<std::string> seen;
+  std::vector<std::string> topics;
+  for (const std::string& topic : reader.requiredTexts("track_topics")) {
+    topics.push_back(nh.resolveName(topic));
+    if (!seen.insert(topics.back()).second) {
+      throw reader.error("track_topics", "expected different topics, got " + topics.back() + " twice");
+    }
+  }
+  if (topics.size() < 2) {
+    throw reader.error("track_topics", "expected two topics of sightline/TrackArray or more, got one");
+  }
+  return topics;
+}
+
+/// Those that are set, or else `tracklets` beside each topic of tracks.
+std::vector<std::string> trackletTopicsFrom(const ParamReader& reader, const ros::NodeHandle& nh,
+                                            const std::vector<std::string>& track_topics) {
+  std::set<std::string> topics;
+  for (const std::string& topic : reader.texts("tracklet_topics", {})) topics.insert(nh.resolveName(topic));
+  if (topics.empty()) {
+    for (const std::string& topic : track_topics)
+      topics.insert(ros::names::append(ros::names::parentNamespace(topic), "tracklets"));
+  }
+  return {topics.begin(), topics.end()};
+}
+
+}  // namespace
+
+TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
+    : TrackFusionNode(nh, pnh, ParamReader(pnh)) {}
+
+TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh,
+                                 const ParamReader& reader)
+    : nh_(nh),
+      component_(reader, nameOfNode(pnh)),
+      topics_(topicsFrom(reader, nh)),
+      tracklet_topics_(trackletTopicsFrom(reader, nh, topics_)),
+      health_(topics_, TrackFusionHealth::silenceFrom(reader)),
+      diagnostics_(nh, pnh, pnh.getNamespace()) {
+  reader.finish();
+
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("fusion", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
+    health_.diagnose(clockNow(), status);
+  });
+  diagnostics_timer_ =
+      nh_.createWallTimer(ros::WallDuration(kSecondsBetweenDiagnostics),
+                          [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  tracks_ = nh_.advertise<sightline::TrackArray>("fusion/tracks", kQueue);
+  report_ = nh_.advertise<sightline::FusionReport>("fusion/report", kQueue);
+
+  std::string all;
+  for (const std::string& topic : topics_) {
+    subscribers_.push_back(nh_.subscribe<sightline::TrackArray>(
+        topic, kQueue,
+        [this, topic](const sightline::TrackArray::ConstPtr& local) { onTracks(local, topic); },
+        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+    all += " " + topic;
+  }
+  for (const std::string& topic : tracklet_topics_) {
+    if (!component_.wantsTracklets()) break;
+    subscribers_.push_back(nh_.subscribe<sightline::TrackletArray>(
+        topic, kQueue,
+        [this, topic](const sightline::TrackletArray::ConstPtr& local) { onTracklets(local, topic); },
+        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+  }
+  ROS_INFO_STREAM(component_.name() << ": " << component_.rule() << " in frame " << component_.trackingFrame()
+                                    << ", listens to" << all);
+}
+
+void TrackFusionNode::onTracks(const sightline::TrackArray::ConstPtr& local, const std::string& topic) {
+  const sightline::core::Time now = clockNow();
+  noticeTimeJump(now);
+  const FusionResult result = component_.onTracks(*local, topic, now);
+  if (result.tracks) tracks_.publish(result.tracks);
+  report_.publish(result.report);
+  health_.note(*local, topic, result);
+  for (const std::string& line : health_.sensorLines(result, now))
+    ROS_WARN_STREAM(component_.name() << ": " << line);
+  for (const std::string& warning : health_.warnings(now))
+    ROS_WARN_STREAM(component_.name() << ": " << warning);
+}
+
+void TrackFusionNode::onTracklets(const sightline::TrackletArray::ConstPtr& local, const std::string& topic) {
+  const sightline::core::Time now = clockNow();
+  noticeTimeJump(now);
+  const std::string refusal = component_.onTracklets(*local, topic, now);
+  health_.noteTracklets(*local, refusal, component_.lateTracklets());
+}
+
+/// Simulated time that steps back (a recording in a loop) starts everything again.
+void TrackFusionNode::noticeTimeJump(sightline::core::Time now) {
+  if (ros::Time::isSimTime() && now < last_now_) {
+    ROS_WARN_STREAM(component_.name()
+                    << ": time stepped back by " << sightline::core::seconds(last_now_ - now)
+                    << " s; forgets all tracks");
+    component_.reset();
+  }
+  last_now_ = now;
+}
+
+}  // namespace sightline_ros

@@ -1,0 +1,190 @@
+#include "sightline/ros/recordings/csv_recordings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iomanip>
+#include <limits>
+#include <map>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+#include <Eigen/Core>
+
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+
+#include "sightline/core/model/sighting.h"
+#include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/recordings/bags.h"
+
+namespace sightline_ros {
+
+namespace core = sightline::core;
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+const char* const kStatusNames[] = {"tentative", "confirmed", "coasting"};
+
+ros::Time stampOf(const CsvTable& table, std::size_t row, double offset) {
+  const core::Time time = table.time(row, "time") + core::durationOf(offset);
+  if (time <= core::Time{}) {
+    std::ostringstream complaint;
+    complaint
+        << "time: " << table.text(row, "time") << " s"
+        << " cannot be held by a bag, which knows only times after 0: shift the recording, with --offset 100 "
+           "for instance";
+    throw table.error(row, complaint.str());
+  }
+  try {
+    return toRos(time);
+  } catch (const std::range_error& problem) {
+    throw table.error(row, std::string("time: ") + problem.what());
+  }
+}
+
+const std::string& sensorOf(const CsvTable& table, std::size_t row) {
+  const std::string& sensor = table.text(row, "sensor");
+  if (!isTopicPart(sensor)) {
+    throw table.error(row,
+                      "sensor: expected a name of letters, digits and underscores, of which a topic can be "
+                      "made, got \"" +
+                          sensor + "\"");
+  }
+  return sensor;
+}
+
+sightline::Sighting sightingOf(const CsvTable& table, std::size_t row) {
+  const Eigen::Vector2d angles(table.number(row, "azimuth", "rad"), table.number(row, "elevation", "rad"));
+  const Eigen::Vector2d sigma(table.number(row, "sigma_azimuth", "rad"),
+                              table.number(row, "sigma_elevation", "rad"));
+  const Eigen::Matrix2d covariance = sigma.cwiseAbs2().asDiagonal();
+  if (const auto reason = core::rejectionOf(angles, covariance)) throw table.error(row, *reason);
+  if (sigma.minCoeff() < 0.0)
+    throw table.error(row, "a sigma is negative: state standard deviations in radians");
+  sightline::Sighting sighting;
+  sighting.azimuth = angles.x();
+  sighting.elevation = angles.y();
+  sighting.covariance = {covariance(0, 0), 0.0, 0.0, covariance(1, 1)};
+  sighting.snr = kNaN;
+  return sighting;
+}
+
+sightline::SightingArray emptyScan(const ros::Time& stamp, const std::string& sensor,
+                                   const std::string& frame) {
+  sightline::SightingArray scan;
+  scan.header.stamp = stamp;
+  scan.header.frame_id = frame;
+  scan.sensor = sensor;
+  scan.ifov = scan.detection_probability = scan.clutter_density = kNaN;
+  return scan;
+}
+
+double sigma(const sightline::Track& track, int channel) {
+  return std::sqrt(track.covariance[channel * 5]);
+}
+
+/// Tracks by their stamp; those of one instant by topic.
+using TrackLines = std::map<std::tuple<ros::Time, std::string>, std::string>;
+
+}  // namespace
+
+CsvTable readSightingTable(const std::string& path) {
+  return CsvTable::fromFile(
+      path, {"time", "sensor", "azimuth", "elevation", "sigma_azimuth", "sigma_elevation"}, {"scan"});
+}
+
+std::vector<sightline::SightingArray> scansOf(const CsvTable& table, const std::string& frame,
+                                              double offset) {
+  std::vector<sightline::SightingArray> scans;
+  std::map<std::pair<std::string, std::string>, std::size_t> scan_of;  // by sensor and name of the scan
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const ros::Time stamp = stampOf(table, row, offset);
+    const std::string& sensor = sensorOf(table, row);
+    const std::string name = table.has("scan") ? table.text(row, "scan") : std::to_string(row);
+    const auto [place, is_new] = scan_of.emplace(std::make_pair(sensor, name), scans.size());
+    if (is_new) scans.push_back(emptyScan(stamp, sensor, frame));
+    sightline::SightingArray& scan = scans[place->second];
+    if (scan.header.stamp != stamp) {
+      throw table.error(
+          row, "scan: \"" + name + "\" of " + sensor + " has rows of different times; one exposure has one");
+    }
+    scan.sightings.push_back(sightingOf(table, row));
+  }
+  std::stable_sort(scans.begin(), scans.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.header.stamp, a.sensor) < std::tie(b.header.stamp, b.sensor);
+  });
+  return scans;
+}
+
+std::string trackColumns() {
+  return "time,tracker,track,status,azimuth,elevation,azimuth_rate,elevation_rate,sigma_azimuth,sigma_"
+         "elevation,"
+         "sigma_azimuth_rate,sigma_elevation_rate";
+}
+
+std::string csvOf(const sightline::TrackArray& tracks) {
+  std::ostringstream lines;
+  lines << std::setprecision(12);
+  for (const auto& track : tracks.tracks) {
+    const char* status = track.status < 3 ? kStatusNames[track.status] : "unknown";
+    lines << tracks.header.stamp << ',' << tracks.tracker << ',' << track.id << ',' << status << ','
+          << track.azimuth << ',' << track.elevation << ',' << track.azimuth_rate << ','
+          << track.elevation_rate;
+    for (int channel = 0; channel < 4; ++channel) lines << ',' << sigma(track, channel);
+    lines << '\n';
+  }
+  return lines.str();
+}
+
+std::string convertCsvToBag(const std::string& csv, const std::string& bag_file, const std::string& frame,
+                            double offset) {
+  const auto scans = scansOf(readSightingTable(csv), frame, offset);
+  if (scans.empty()) throw CsvError(csv + ": there is no sighting in it");
+  BagWriter bag(bag_file);
+  std::set<std::string> topics;
+  std::size_t sightings = 0;
+  for (const auto& scan : scans) {
+    const std::string topic = sensorTopic(scan.sensor, "sightings");
+    bag->write(topic, scan.header.stamp, scan);
+    topics.insert(topic);
+    sightings += scan.sightings.size();
+  }
+  bag.finish();
+  std::ostringstream summary;
+  summary << bag_file << ": " << scans.size() << " scans with " << sightings << " sightings in frame "
+          << frame << " on";
+  for (const std::string& topic : topics) summary << ' ' << topic;
+  return summary.str();
+}
+
+std::string convertBagToCsv(const std::string& bag_file, const std::string& csv,
+                            const std::vector<std::string>& topics) {
+  const auto bag = openBag(bag_file);
+  TrackLines lines;
+  rosbag::View view(*bag, rosbag::TypeQuery(ros::message_traits::datatype<sightline::TrackArray>()));
+  for (const rosbag::MessageInstance& instance : view) {
+    if (!topics.empty() && std::find(topics.begin(), topics.end(), instance.getTopic()) == topics.end())
+      continue;
+    const auto tracks = instance.instantiate<sightline::TrackArray>();
+    if (!tracks)
+      throw std::runtime_error(bag_file + ": " + instance.getTopic() +
+                               " has another definition of TrackArray");
+    lines[{tracks->header.stamp, instance.getTopic()}] += csvOf(*tracks);
+  }
+  if (lines.empty())
+    throw std::runtime_error(bag_file + ": there is no TrackArray message in it" +
+                             (topics.empty() ? "" : " on these topics"));
+  std::ofstream stream(csv);
+  stream << trackColumns() << '\n';
+  for (const auto& line : lines) stream << line.second;
+  stream.flush();
+  if (!stream) throw std::runtime_error(csv + ": cannot be written");
+  return csv + ": " + std::to_string(lines.size()) + " messages";
+}
+
+}  // namespace sightline_ros

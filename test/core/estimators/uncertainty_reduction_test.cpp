@@ -1,0 +1,387 @@
+#include "sightline/core/estimators/uncertainty_reduction.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "support/golden.h"
+
+namespace sightline::core {
+namespace {
+
+using Eigen::Dynamic;
+using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Matrix23 = Eigen::Matrix<double, 2, 3>;
+using Matrix5 = Eigen::Matrix<double, 5, 5>;
+
+/// Three parameters, two responses, everything correlated.
+struct Case {
+  LinearModel<double, 3, 2> model;
+  Vector2d r;
+  Matrix3d C_a;
+  Matrix2d C_r;
+  Matrix23 C_p;
+
+  ReducedUncertainty<double, 3, 2> reduced() const { return reduceUncertainty(model, C_a, r, C_r, C_p); }
+};
+
+template <typename Matrix>
+Matrix drawn(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  Matrix matrix;
+  for (Eigen::Index i = 0; i < matrix.size(); ++i)
+    matrix.data()[i] = static_cast<typename Matrix::Scalar>(normal(random));
+  return matrix;
+}
+
+Case randomCase(unsigned seed) {
+  std::mt19937_64 random(seed);
+  const Matrix5 root = drawn<Matrix5>(random);
+  const Matrix5 joint = symmetric(root * root.transpose());
+  Case made;
+  made.C_r = joint.topLeftCorner<2, 2>();
+  made.C_p = joint.topRightCorner<2, 3>();
+  made.C_a = joint.bottomRightCorner<3, 3>();
+  made.model = {drawn<Vector3d>(random), drawn<Vector2d>(random), drawn<Matrix23>(random)};
+  made.r = drawn<Vector2d>(random);
+  return made;
+}
+
+Matrix5 jointOf(const Matrix2d& C_r, const Matrix23& C_p, const Matrix3d& C_a) {
+  Matrix5 joint;
+  joint << C_r, C_p, C_p.transpose(), C_a;
+  return joint;
+}
+
+template <typename Matrix>
+double leastEigenvalue(const Matrix& matrix) {
+  return Eigen::SelfAdjointEigenSolver<typename Matrix::PlainObject>(matrix).eigenvalues()(0);
+}
+
+/// Change of (a, r) that minimises Q subject to S x - y + sign e = 0, from the stationary point of
+/// L = z^T C^-1 z + 2 lambda^T (S x - y + sign e) with z = (y, x).
+std::pair<Vector3d, Vector2d> minimumOfLagrangian(const Case& given, double sign) {
+  Eigen::Matrix<double, 2, 5> G;
+  G << -Matrix2d::Identity(), given.model.S;
+  Eigen::Matrix<double, 7, 7> system = Eigen::Matrix<double, 7, 7>::Zero();
+  const Matrix5 C = jointOf(given.C_r, given.C_p, given.C_a);
+  system.topLeftCorner<5, 5>() = C.ldlt().solve(Matrix5::Identity());
+  system.topRightCorner<5, 2>() = G.transpose();
+  system.bottomLeftCorner<2, 5>() = G;
+  Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero();
+  right.tail<2>() = -sign * (given.model.q - given.r);
+  const Eigen::Matrix<double, 7, 1> solution = system.fullPivLu().solve(right);
+  return {solution.segment<3>(2), solution.head<2>()};
+}
+
+class GoldenReduction : public testing::TestWithParam<const char*> {};
+
+TEST_P(GoldenReduction, MatchesTheReferenceVectors) {
+  SIGHTLINE_REQUIRE_SHARED();
+  const YAML::Node given = test::golden(GetParam());
+  const LinearModel<double, 3, 2> model{test::array(given["a"]), test::array(given["q"]),
+                                        test::matrix(given["S"])};
+  Matrix23 C_p = Matrix23::Zero();
+  if (!given["Cp"].IsNull()) C_p = test::matrix(given["Cp"]);
+  const auto reduced = reduceUncertainty(model, test::matrix(given["Ca"]), test::array(given["r"]).matrix(),
+                                         test::matrix(given["Cr"]), C_p);
+  const YAML::Node expected = given["out"];
+  test::expectGolden(reduced.a, test::array(expected["a"]));
+  test::expectGolden(reduced.r, test::array(expected["r"]));
+  test::expectGolden(reduced.C_a, test::matrix(expected["Ca"]));
+  test::expectGolden(reduced.C_r, test::matrix(expected["Cr"]));
+  test::expectGolden(reduced.C_p, test::matrix(expected["Cp"]));
+  test::expectGolden(reduced.lambda, test::array(expected["lam"]));
+  EXPECT_NEAR(reduced.chi2, expected["chi2"].as<double>(), 1e-9 * reduced.chi2);
+}
+
+INSTANTIATE_TEST_SUITE_P(UncertaintyReduction, GoldenReduction, testing::Values("noga", "noga_cp"));
+
+/// q = a0 exp(a1).
+LinearModel<double, 2, 1> growth(const Vector2d& a) {
+  LinearModel<double, 2, 1> model;
+  model.a = a;
+  model.q << a(0) * std::exp(a(1));
+  model.S << std::exp(a(1)), a(0) * std::exp(a(1));
+  return model;
+}
+
+TEST(IteratedReduction, MatchesTheReferenceVectorsAfterEveryNumberOfSteps) {
+  SIGHTLINE_REQUIRE_SHARED();
+  const YAML::Node given = test::golden("noga_iterated");
+  using Vector1 = Eigen::Matrix<double, 1, 1>;
+  for (const auto& expected : given["iters"]) {
+    const auto result = reduceUncertaintyIterated(
+        growth, Vector2d(test::array(given["a"])), test::array(given["Ca"]).matrix().asDiagonal(),
+        Vector1(given["r"].as<double>()), Vector1(given["Cr"].as<double>()), Eigen::RowVector2d::Zero(),
+        {1e-14, expected.first.as<int>()});
+    test::expectGolden(result.reduced.a, test::array(expected.second["a"]));
+    test::expectGolden(result.reduced.r, test::array(expected.second["r"]));
+    test::expectGolden(result.reduced.C_a, test::matrix(expected.second["Ca"]));
+    EXPECT_LE(result.iterations, expected.first.as<int>());
+  }
+}
+
+IteratedReduction<double, 2, 1> reducedGrowth(const IterationLimits& limits) {
+  using Vector1 = Eigen::Matrix<double, 1, 1>;
+  return reduceUncertaintyIterated(growth, Vector2d(1.0, 0.2), Vector2d(0.3, 0.2).asDiagonal(), Vector1(4.0),
+                                   Vector1(0.05), Eigen::RowVector2d::Zero(), limits);
+}
+
+TEST(IteratedReduction, AtConvergenceTheResponseIsTheModelsAndBeforeItIsNot) {
+  const auto converged = reducedGrowth({1e-12, 50});
+  ASSERT_TRUE(converged.converged);
+  EXPECT_NEAR(growth(converged.reduced.a).q(0), converged.reduced.r(0), 1e-10);
+  const auto one_step = reducedGrowth({1e-12, 1});
+  EXPECT_FALSE(one_step.converged);
+  EXPECT_GT(std::abs(growth(one_step.reduced.a).q(0) - one_step.reduced.r(0)), 1.0);
+}
+
+TEST(IteratedReduction, HalvesTheStepsOfAModelOnWhichFullStepsDiverge) {
+  using Vector1 = Eigen::Matrix<double, 1, 1>;
+  const auto model = [](const Vector1& a) {  // full steps on atan(a) = 0 run away from |a| > 1.39
+    return LinearModel<double, 1, 1>{a, Vector1(std::atan(a(0))), Vector1(1.0 / (1.0 + a(0) * a(0)))};
+  };
+  const auto result = reduceUncertaintyIterated(model, Vector1(5.0), Vector1(1e4), Vector1(0.0),
+                                                Vector1(1e-6), Vector1(0.0), {1e-12, 60});
+  EXPECT_TRUE(result.converged);
+  EXPECT_NEAR(result.reduced.a(0), 0.0, 1e-4);
+}
+
+TEST(IteratedReduction, OfALinearModelIsTheReductionItself) {
+  const Case given = randomCase(5);
+  const auto linear = [&](const Vector3d& a) {
+    return LinearModel<double, 3, 2>{a, given.model.q + given.model.S * (a - given.model.a), given.model.S};
+  };
+  const auto result =
+      reduceUncertaintyIterated(linear, given.model.a, given.C_a, given.r, given.C_r, given.C_p);
+  const auto expected = given.reduced();
+  EXPECT_TRUE(result.converged);
+  EXPECT_TRUE(result.reduced.a.isApprox(expected.a, 1e-12));
+  EXPECT_TRUE(result.reduced.r.isApprox(expected.r, 1e-12));
+  EXPECT_TRUE(result.reduced.C_a.isApprox(expected.C_a, 1e-12));
+}
+
+TEST(UncertaintyReduction, LeavesNoDoubtBetweenModelAndResponse) {
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    const Case given = randomCase(seed);
+    const auto reduced = given.reduced();
+    const Matrix23& S = given.model.S;
+    const double scale = given.C_a.norm() + given.C_r.norm();
+    EXPECT_LT((reduced.C_p - S * reduced.C_a).norm(), 1e-11 * scale);
+    EXPECT_LT((reduced.C_r - S * reduced.C_a * S.transpose()).norm(), 1e-11 * scale);
+    EXPECT_LT((reduced.r - given.model.q - S * (reduced.a - given.model.a)).norm(), 1e-11 * scale);
+  }
+}
+
+TEST(UncertaintyReduction, NeverMakesAnythingLessKnown) {
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    const Case given = randomCase(seed);
+    const auto reduced = given.reduced();
+    const double rounding = -1e-11 * (given.C_a.norm() + given.C_r.norm());
+    EXPECT_GE(leastEigenvalue(Matrix3d(given.C_a - reduced.C_a)), rounding);
+    EXPECT_GE(leastEigenvalue(Matrix2d(given.C_r - reduced.C_r)), rounding);
+    EXPECT_GE(leastEigenvalue(jointOf(reduced.C_r, reduced.C_p, reduced.C_a)), rounding);
+  }
+}
+
+TEST(UncertaintyReduction, IsTheMinimumOfTheLagrangianWithPlusEAndNotWithMinusE) {
+  const Case given = randomCase(2);
+  const auto reduced = given.reduced();
+  const auto [x, y] = minimumOfLagrangian(given, 1.0);  // (19C)
+  EXPECT_TRUE(x.isApprox(reduced.a - given.model.a, 1e-10));
+  EXPECT_TRUE(y.isApprox(reduced.r - given.r, 1e-10));
+  const auto [x_printed, y_printed] = minimumOfLagrangian(given, -1.0);
+  EXPECT_TRUE(x_printed.isApprox(given.model.a - reduced.a, 1e-10));
+  EXPECT_TRUE(y_printed.isApprox(given.r - reduced.r, 1e-10));
+}
+
+TEST(UncertaintyReduction, OfFixedAndOfDynamicSizeAreOne) {
+  const Case given = randomCase(3);
+  const LinearModel<double, Dynamic, Dynamic> model{given.model.a, given.model.q, given.model.S};
+  const auto reduced = reduceUncertainty(model, given.C_a, given.r, given.C_r, given.C_p);
+  const auto expected = given.reduced();
+  EXPECT_TRUE(reduced.a.isApprox(expected.a, 1e-13));
+  EXPECT_TRUE(reduced.r.isApprox(expected.r, 1e-13));
+  EXPECT_TRUE(reduced.C_a.isApprox(expected.C_a, 1e-12));
+  EXPECT_TRUE(reduced.C_p.isApprox(expected.C_p, 1e-12));
+  EXPECT_NEAR(reduced.chi2, expected.chi2, 1e-12 * expected.chi2);
+}
+
+/// A line through 20 values of noise `sigma`; the measurement is the last of them.
+struct FittedLine {
+  static constexpr double kSigma = 0.08;
+  Eigen::Matrix<double, 20, 2> F;
+  Eigen::Matrix<double, 2, 20> B;  // a = B y
+  Eigen::Matrix<double, 20, 1> y;
+
+  FittedLine() {
+    std::mt19937_64 random(11);
+    y = kSigma * drawn<Eigen::Matrix<double, 20, 1>>(random);
+    F.col(0) = Eigen::Matrix<double, 20, 1>::LinSpaced(0.57, 0.0);
+    F.col(1).setOnes();
+    B = Matrix2d(F.transpose() * F).llt().solve(F.transpose().eval());
+  }
+  LinearModel<double, 2, 1> model() const { return {B * y, F.row(19) * (B * y), F.row(19)}; }
+  Matrix2d covariance() const { return kSigma * kSigma * B * B.transpose(); }
+  ReducedUncertainty<double, 2, 1> with(const Eigen::RowVector2d& C_p) const {
+    using Vector1 = Eigen::Matrix<double, 1, 1>;
+    return reduceUncertainty(model(), covariance(), Vector1(y(19)), Vector1(kSigma * kSigma), C_p);
+  }
+};
+
+TEST(UncertaintyReduction, ADatumThatServedAlreadyChangesNothingWhenCpSaysSo) {
+  const FittedLine line;
+  const auto reduced = line.with(FittedLine::kSigma * FittedLine::kSigma * line.B.col(19).transpose());
+  EXPECT_TRUE(reduced.a.isApprox(line.model().a, 1e-12));
+  EXPECT_NEAR(reduced.r(0), line.model().q(0), 1e-14);
+  EXPECT_NEAR(reduced.C_r(0), (line.model().S * line.covariance() * line.model().S.transpose())(0), 1e-15);
+}
+
+TEST(UncertaintyReduction, ADatumCountedTwiceMakesTheVarianceSixteenPercentTooSmall) {
+  const FittedLine line;
+  const double C_q = (line.model().S * line.covariance() * line.model().S.transpose())(0);
+  EXPECT_NEAR(line.with(Eigen::RowVector2d::Zero()).C_r(0) / C_q, 0.8434, 5e-5);
+}
+
+TEST(UncertaintyReduction, OfStateAndProcessNoiseRecursivelyIsTheKalmanFilter) {
+  using Vector1 = Eigen::Matrix<double, 1, 1>;
+  constexpr double kDensity = 0.3, kVariance = 0.0064;
+  const Eigen::RowVector2d H(1.0, 0.0);
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  std::uniform_int_distribution<int> tick(1, 5);
+  Vector2d x_noga(0.1, 0.0), x_kalman = x_noga;
+  Matrix2d P_noga = Vector2d(kVariance, 4.0).asDiagonal(), P_kalman = P_noga;
+  for (int k = 0; k < 50; ++k) {
+    const double h = 0.01 * tick(random);
+    const Vector1 z(std::sin(0.03 * k) + std::sqrt(kVariance) * normal(random));
+    Matrix2d F, Q;
+    F << 1.0, h, 0.0, 1.0;
+    Q << h * h * h / 3.0, h * h / 2.0, h * h / 2.0, h;
+    Q *= kDensity;
+
+    LinearModel<double, 4, 1> model;  // a = (state, process noise)
+    model.a << x_noga, Vector2d::Zero();
+    model.S << H * F, H;
+    model.q = model.S * model.a;
+    Eigen::Matrix4d C_a = Eigen::Matrix4d::Zero();
+    C_a << P_noga, Matrix2d::Zero(), Matrix2d::Zero(), Q;
+    const auto reduced = reduceUncertainty(model, C_a, z, Vector1(kVariance));
+    Eigen::Matrix<double, 2, 4> onward;
+    onward << F, Matrix2d::Identity();
+    x_noga = onward * reduced.a;
+    P_noga = symmetric(onward * reduced.C_a * onward.transpose());
+
+    x_kalman = F * x_kalman;
+    P_kalman = F * P_kalman * F.transpose() + Q;
+    const Vector2d K = P_kalman.col(0) / (P_kalman(0, 0) + kVariance);
+    x_kalman += K * (z(0) - x_kalman(0));
+    P_kalman = (Matrix2d::Identity() - K * H) * P_kalman;
+    EXPECT_LT((x_noga - x_kalman).norm(), 1e-13);
+    EXPECT_LT((P_noga - P_kalman).norm(), 1e-14);
+  }
+}
+
+/// Whether C_a after the reduction is indefinite in single precision, printed (21) and Joseph form (S-7). As
+/// many responses as parameters: a direction that stays unknown keeps its huge variance, and then already the
+/// rounding of the exact result to single precision can be indefinite.
+struct Indefinite {
+  bool printed, joseph;
+};
+
+Indefinite indefiniteInSinglePrecision(unsigned seed, float prior_scale) {
+  using Matrix3f = Eigen::Matrix3f;
+  using Vector3f = Eigen::Vector3f;
+  std::mt19937_64 random(seed);
+  const auto covariance = [&random] {
+    const Matrix3f root = drawn<Matrix3f>(random);
+    return Matrix3f(symmetric(root * root.transpose() + 0.1F * Matrix3f::Identity()));
+  };
+  const Matrix3f C_a = covariance() * prior_scale, C_r = covariance();
+  const LinearModel<float, 3, 3> model{Vector3f::Zero(), Vector3f::Zero(), drawn<Matrix3f>(random)};
+  const Matrix3f& S = model.S;
+  const Matrix3f D = C_r + S * C_a * S.transpose();
+  const Matrix3f printed = C_a - C_a * S.transpose() * D.llt().solve(S * C_a);  // (21) as it stands
+  const Matrix3f joseph = reduceUncertainty(model, C_a, Vector3f(0.1F, -0.2F, 0.3F), C_r).C_a;
+  const auto indefinite = [](const Matrix3f& C) {
+    return leastEigenvalue(Matrix3d(symmetric(C.cast<double>()))) < 0.0;
+  };
+  return {indefinite(printed), indefinite(joseph)};
+}
+
+TEST(UncertaintyReduction, StaysPositiveDefiniteInSinglePrecisionWhereThePrintedFormDoesNot) {
+  int printed = 0, joseph = 0;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    const Indefinite result = indefiniteInSinglePrecision(seed, 1e6F);
+    printed += result.printed;
+    joseph += result.joseph;
+  }
+  EXPECT_EQ(joseph, 0);
+  EXPECT_GT(printed, 20) << "the comparison is no longer one";
+}
+
+TEST(UncertaintyReduction, TakesParametersThatAreKnownExactly) {
+  Case given = randomCase(6);
+  given.C_p.setZero();
+  given.C_a.setZero();
+  const auto reduced = given.reduced();
+  EXPECT_TRUE(reduced.a.isApprox(given.model.a));
+  EXPECT_TRUE(reduced.r.isApprox(given.model.q, 1e-12));
+  EXPECT_NEAR(reduced.C_r.norm(), 0.0, 1e-12);
+}
+
+std::string refusalOf(const Case& given) {
+  try {
+    given.reduced();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(UncertaintyReduction, RefusesWhatIsNoCovarianceAndNamesIt) {
+  const Case good = randomCase(7);
+  EXPECT_EQ(refusalOf(good), "accepted");
+
+  Case bad = good;
+  bad.C_p *= 10.0;
+  EXPECT_NE(refusalOf(bad).find("C_p does not go with C_r and C_a"), std::string::npos) << refusalOf(bad);
+  bad = good;
+  bad.C_r = -bad.C_r;
+  EXPECT_NE(refusalOf(bad).find("C_r (of the measurement)"), std::string::npos) << refusalOf(bad);
+  bad = good;
+  bad.C_a(0, 1) = bad.C_a(1, 0) = 2.0 * std::sqrt(bad.C_a(0, 0) * bad.C_a(1, 1));
+  EXPECT_NE(refusalOf(bad).find("C_a (of the parameters)"), std::string::npos) << refusalOf(bad);
+  bad = good;
+  bad.C_a(0, 1) += 0.1;
+  EXPECT_NE(refusalOf(bad).find("not symmetric"), std::string::npos) << refusalOf(bad);
+  bad = good;
+  bad.C_a(2, 2) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(refusalOf(bad).find("not finite"), std::string::npos) << refusalOf(bad);
+  bad = good;
+  bad.C_a.setZero();
+  bad.C_p.setZero();
+  bad.C_r.setZero();
+  EXPECT_NE(refusalOf(bad).find("give the measurement its noise"), std::string::npos) << refusalOf(bad);
+}
+
+TEST(UncertaintyReduction, RefusesSizesThatDoNotFit) {
+  const Case given = randomCase(8);
+  const LinearModel<double, Dynamic, Dynamic> model{given.model.a, given.model.q, given.model.S};
+  EXPECT_THROW(reduceUncertainty(model, MatrixXd::Identity(2, 2), given.r, given.C_r, given.C_p),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sightline::core

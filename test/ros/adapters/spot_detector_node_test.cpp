@@ -1,0 +1,182 @@
+// The spot detector as node (with CameraInfo) and as nodelet (with a stated field of view and a tracker
+// behind it).
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <ros/ros.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+#include <sightline/SightingArray.h>
+#include <sightline/TrackArray.h>
+
+#include "sightline/core/model/sphere.h"
+#include "sightline/core/simulation/random_stream.h"
+#include "sightline/ros/adapters/pixel_rays.h"
+
+#include "support/received.h"
+
+namespace {
+
+constexpr unsigned kWidth = 320, kHeight = 256;  // [px]
+
+class SpotDetectorNode : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(eventually([this] {
+      return images_.getNumSubscribers() == 2 && camera_info_.getNumSubscribers() == 1 &&
+             node_.isConnected() && nodelet_.isConnected() && tracks_.isConnected();
+    })) << "the nodes did not come up";
+  }
+
+  /// A noisy sky with a spot at a pixel; without one when it is negative.
+  sensor_msgs::Image imageWith(double u, double v, const std::string& encoding = "mono8") {
+    const std::size_t bytes = encoding == "mono16" ? 2 : encoding == "rgb8" ? 3 : 1;
+    const double scale = encoding == "mono16" ? 200.0 : 1.0;
+    sensor_msgs::Image image;
+    image.header.stamp = ros::Time::now();
+    image.header.frame_id = "camera_optical";
+    image.width = kWidth;
+    image.height = kHeight;
+    image.encoding = encoding;
+    image.step = static_cast<std::uint32_t>(kWidth * bytes);
+    image.data.resize(image.step * kHeight);
+    for (unsigned y = 0; y < kHeight; ++y) {
+      for (unsigned x = 0; x < kWidth; ++x) {
+        const double d2 = (x - u) * (x - u) + (y - v) * (y - v);
+        const double level =
+            60.0 + 2.0 * stream_.normalPair().x() + (u < 0.0 ? 0.0 : 120.0 * std::exp(-0.5 * d2));
+        const auto value = static_cast<std::uint16_t>(std::lround(scale * level));
+        std::uint8_t* const pixel = &image.data[y * image.step + x * bytes];
+        for (std::size_t k = 0; k < bytes; ++k) {
+          pixel[k] = static_cast<std::uint8_t>(bytes == 2 ? value >> (8 * k) : value);
+        }
+      }
+    }
+    return image;
+  }
+
+  /// The node's scan with this stamp, when it has come.
+  static const sightline::SightingArray* scanOf(const Heard<sightline::SightingArray>& heard,
+                                                const ros::Time& stamp) {
+    for (const auto& scan : heard.messages()) {
+      if (scan.header.stamp == stamp) return &scan;
+    }
+    return nullptr;
+  }
+
+  std::string diagnosticOf(const std::string& node, const std::string& key) {
+    std::string newest;
+    for (const auto& array : diagnostics_.messages()) {
+      for (const auto& status : array.status) {
+        if (status.name.find(node) != 0) continue;
+        for (const auto& value : status.values) {
+          if (value.key == key) newest = value.value;
+        }
+      }
+    }
+    return newest;
+  }
+
+  void calibrate() {
+    auto info = sightline_ros::pinholeCamera(kWidth, kHeight, {24.0 * core::kDegree, 19.0 * core::kDegree});
+    info.header.frame_id = "camera_optical";
+    camera_info_.publish(info);
+    ASSERT_TRUE(eventually([&] {
+      images_.publish(imageWith(-1.0, -1.0));
+      return !node_.messages().empty();
+    }));
+  }
+
+  sightline::core::RandomStream stream_{1};
+  ros::NodeHandle nh_;
+  ros::Publisher images_ = nh_.advertise<sensor_msgs::Image>("/camera/image_raw", 100);
+  ros::Publisher camera_info_ = nh_.advertise<sensor_msgs::CameraInfo>("/camera/camera_info", 100);
+  Heard<sightline::SightingArray> node_{nh_, "/node/sightings"};
+  Heard<sightline::SightingArray> nodelet_{nh_, "/nodelet/sightings"};
+  Heard<sightline::TrackArray> tracks_{nh_, "/nodelet/tracks"};
+  Heard<diagnostic_msgs::DiagnosticArray> diagnostics_{nh_, "/diagnostics"};
+};
+
+TEST_F(SpotDetectorNode, WithoutCalibrationNothingIsSaidAndTheRemedyIs) {
+  images_.publish(imageWith(100.0, 80.0));
+  EXPECT_TRUE(
+      eventually([&] { return !diagnosticOf("node/spot_detector", "refused, no calibration").empty(); }));
+  sensor_msgs::CameraInfo uncalibrated;
+  camera_info_.publish(uncalibrated);
+  EXPECT_TRUE(eventually(
+      [&] { return !diagnosticOf("node/spot_detector", "refused, camera not calibrated").empty(); }));
+  EXPECT_TRUE(node_.messages().empty());
+}
+
+TEST_F(SpotDetectorNode, ASpotBecomesASightingAtItsAnglesInEveryEncoding) {
+  calibrate();
+  const double fx = 160.0 / std::tan(12.0 * core::kDegree),
+               fy = 128.0 / std::tan(9.5 * core::kDegree);  // [px]
+  for (const std::string encoding : {"mono8", "mono16", "rgb8"}) {
+    const auto image = imageWith(99.5, 80.25, encoding);
+    images_.publish(image);
+    ASSERT_TRUE(eventually([&] { return scanOf(node_, image.header.stamp) != nullptr; })) << encoding;
+    const auto& scan = *scanOf(node_, image.header.stamp);
+    EXPECT_EQ(scan.sensor, "node");
+    EXPECT_EQ(scan.header.frame_id, "camera_optical_boresight");
+    EXPECT_NEAR(scan.ifov, 1.0 / std::sqrt(fx * fy), 1e-9);
+    ASSERT_EQ(scan.sightings.size(), 1u) << encoding;
+    EXPECT_NEAR(scan.sightings[0].azimuth, std::atan(60.0 / fx), 0.2 / fx);
+    EXPECT_NEAR(scan.sightings[0].elevation, std::atan(47.25 / std::hypot(fy, 60.0 * fy / fx)), 0.2 / fy);
+    EXPECT_GT(scan.sightings[0].snr, 10.0);
+    EXPECT_GT(scan.sightings[0].covariance[0], 0.0);
+  }
+}
+
+TEST_F(SpotDetectorNode, AnImageWithoutSpotsIsAnEmptyScan) {
+  calibrate();
+  const auto image = imageWith(-1.0, -1.0);
+  images_.publish(image);
+  ASSERT_TRUE(eventually([&] { return scanOf(node_, image.header.stamp) != nullptr; }));
+  EXPECT_TRUE(scanOf(node_, image.header.stamp)->sightings.empty());
+}
+
+TEST_F(SpotDetectorNode, ImagesThatDoNotFitTheirCameraOrTheirEncodingAreRefused) {
+  calibrate();
+  auto small = imageWith(100.0, 80.0);
+  small.height = kHeight / 2;
+  small.data.resize(small.step * small.height);
+  images_.publish(small);
+  EXPECT_TRUE(eventually([&] { return !diagnosticOf("node/spot_detector", "refused, wrong size").empty(); }));
+  auto strange = imageWith(100.0, 80.0);
+  strange.encoding = "no_such_encoding";
+  images_.publish(strange);
+  EXPECT_TRUE(
+      eventually([&] { return !diagnosticOf("node/spot_detector", "refused, image unusable").empty(); }));
+}
+
+TEST_F(SpotDetectorNode, WithAFieldOfViewInsteadOfACalibrationTheTrackerBehindFollowsTheSpot) {
+  double u = 60.0;
+  const auto is_tracked = [&] {
+    images_.publish(imageWith(u += 1.0, 100.0));
+    for (int i = 0; i < 10; ++i) {
+      ros::spinOnce();
+      ros::WallDuration(0.003).sleep();
+    }
+    if (tracks_.messages().empty()) return false;
+    for (const auto& track : tracks_.messages().back().tracks) {
+      if (track.status == sightline::Track::CONFIRMED) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(eventually(is_tracked));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "spot_detector_node_test");
+  ros::NodeHandle keeps_ros_running;
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,393 @@
+#include "sightline/ros/components/track_fusion_component.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sightline/ros/components/track_fusion_health.h"
+#include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/params/track_fusion_params.h"
+
+#include "support/paths.h"
+#include "support/scratch_folder.h"
+
+namespace {
+
+namespace core = sightline::core;
+using sightline_ros::FusionResult;
+using sightline_ros::ParamError;
+using sightline_ros::ParamReader;
+using sightline_ros::TrackFusionComponent;
+using sightline_ros::TrackFusionHealth;
+
+core::Time at(double seconds) {
+  return core::Time(core::durationOf(seconds));
+}
+
+sightline::TrackArray tracksOf(const std::string& tracker, double stamp, double azimuth = 0.5) {
+  sightline::TrackArray array;
+  array.header.stamp = ros::Time(stamp);
+  array.header.frame_id = "platform_enu";
+  array.tracker = tracker;
+  array.tracks.resize(1);
+  sightline::Track& track = array.tracks[0];
+  track.id = 7;
+  track.status = sightline::Track::CONFIRMED;
+  track.azimuth = azimuth;
+  track.covariance[0] = track.covariance[5] = 1e-6;
+  track.covariance[10] = track.covariance[15] = 1e-5;
+  track.last_sighting = array.header.stamp;
+  track.hits = 10;
+  track.sources = {"sensor of " + tracker};
+  return array;
+}
+
+core::TrackFusionParams paramsOf(const std::string& yaml) {
+  const ScratchFolder folder;
+  const ParamReader reader = ParamReader::fromYaml(folder.write("params.yaml", yaml));
+  const core::TrackFusionParams params = sightline_ros::loadTrackFusionParams(reader);
+  reader.finish();
+  return params;
+}
+
+TEST(TrackFusionParams, ShippedFileSaysTheDefaultsAndNothingElse) {
+  const ParamReader reader =
+      ParamReader::fromYaml(sightline::test::sourceDirectory() + "/config/track_fusion.yaml");
+  const TrackFusionComponent component(reader, "node");
+  TrackFusionHealth::silenceFrom(reader);
+  EXPECT_NO_THROW(reader.finish());
+  // The settings of the estimators are those of local_tracker.yaml, and not repeated.
+  for (const std::string& key : reader.differences()) {
+    const std::string name = key.substr(reader.name().size() + 1);
+    const std::string section = name.substr(0, name.find('/'));
+    EXPECT_TRUE(section == "twbls" || section == "noga" || section == "kalman" || section == "imm" ||
+                section == "noise_calibration")
+        << key;
+  }
+  EXPECT_EQ(component.name(), "node");
+}
+
+TEST(TrackFusionParams, EveryKeyReachesItsField) {
+  for (const core::FusionRule rule : core::fusionRules())
+    EXPECT_EQ(paramsOf("rule: " + nameOf(rule)).rule, rule);
+  EXPECT_EQ(paramsOf("estimator: noga").tracklets.estimator.kind, core::EstimatorKind::noga);
+  EXPECT_EQ(paramsOf("kalman: {process_noise: 0.3}").tracklets.estimator.kalman.process_noise, 0.3);
+  const core::TrackletFusionParams tracklets =
+      paramsOf("tracklets: {max_lag: 3.0, memory: 2.0, max_missing: 0.1}").tracklets;
+  EXPECT_EQ(tracklets.max_lag, 3.0);
+  EXPECT_EQ(tracklets.memory, 2.0);
+  EXPECT_EQ(tracklets.max_missing, 0.1);
+  EXPECT_FALSE(paramsOf("guard: {enabled: false}").tracklets.guard.enabled);
+  EXPECT_EQ(paramsOf("guard: {roll_back: 0.7}").tracklets.guard.roll_back, 0.7);
+  EXPECT_EQ(paramsOf("intersection_weights: trace").intersection_weights, core::IntersectionWeights::trace);
+  const core::TrackFusionParams params = paramsOf(
+      "gate: {probability: 0.9, leave_factor: 3.0, leave_after: 0.7, registration_sigma: "
+      "0.01}\nprocess_noise: 0.3\n"
+      "max_age: 2.0\ncoasting_age: 0.6\ndelete_after: 4.0\nforget_after: 20.0\nallow_shared_sensors: true\n"
+      "max_trackers: 5\nmax_local_tracks: 6\nmax_tracks: 7\n");
+  EXPECT_EQ(params.gate_probability, 0.9);
+  EXPECT_EQ(params.leave_factor, 3.0);
+  EXPECT_EQ(params.leave_after, 0.7);
+  EXPECT_EQ(params.registration_sigma, 0.01);
+  EXPECT_EQ(params.process_noise, 0.3);
+  EXPECT_EQ(params.reports.max_age, 2.0);
+  EXPECT_EQ(params.coasting_age, 0.6);
+  EXPECT_EQ(params.delete_after, 4.0);
+  EXPECT_EQ(params.reports.forget_after, 20.0);
+  EXPECT_TRUE(params.allow_shared_sensors);
+  EXPECT_EQ(params.reports.max_trackers, 5);
+  EXPECT_EQ(params.reports.max_tracks, 6);
+  EXPECT_EQ(params.max_tracks, 7);
+}
+
+TEST(TrackFusionParams, BadValuesAreRefused) {
+  for (const char* yaml : {"rule: kalman", "gate: {probability: 1.0}", "gate: {leave_factor: 0.5}",
+                           "gate: {registration_sigma: -1.0}", "process_noise: -1.0", "max_age: 0.0",
+                           "{max_age: 3.0, forget_after: 2.0}", "max_tracks: 0", "allow_shared_sensors: 1",
+                           "intersection_weights: best", "estimator: best", "tracklets: {max_lag: 0.0}",
+                           "tracklets: {max_missing: 1.5}", "unknown_key: 1"}) {
+    EXPECT_THROW(paramsOf(yaml), ParamError) << yaml;
+  }
+}
+
+class Component : public testing::Test {
+ protected:
+  FusionResult fuse(const sightline::TrackArray& local, const std::string& topic = "") {
+    return component_.onTracks(local, topic.empty() ? "/" + local.tracker + "/tracks" : topic,
+                               sightline_ros::toCore(local.header.stamp));
+  }
+
+  ParamReader reader_{XmlRpc::XmlRpcValue(), "/test"};
+  TrackFusionComponent component_{reader_, "my_fusion"};
+};
+
+TEST_F(Component, TracksOfTwoTrackersBecomeOneAndTheReportNamesThem) {
+  fuse(tracksOf("a", 10.0));
+  const FusionResult result = fuse(tracksOf("b", 10.1));
+  ASSERT_TRUE(result.tracks);
+  EXPECT_EQ(result.tracks->header.stamp, ros::Time(10.1));
+  EXPECT_EQ(result.tracks->header.frame_id, "platform_enu");
+  EXPECT_EQ(result.tracks->tracker, "my_fusion");
+  EXPECT_EQ(result.tracks->estimator, "best");
+  ASSERT_EQ(result.tracks->tracks.size(), 1u);
+  EXPECT_EQ(result.tracks->tracks[0].id, 1u);
+  EXPECT_EQ(result.tracks->tracks[0].sources, (std::vector<std::string>{"a", "b"}));
+  EXPECT_LT(result.tracks->tracks[0].covariance[0], 1e-6);
+  EXPECT_EQ(result.tracks->tracks[0].last_sighting, ros::Time(10.1));
+
+  EXPECT_EQ(result.report->header.stamp, result.tracks->header.stamp);
+  EXPECT_EQ(result.report->header.frame_id, "platform_enu");
+  ASSERT_EQ(result.report->tracks.size(), 1u);
+  const sightline::FusedTrack& fused = result.report->tracks[0];
+  EXPECT_EQ(fused.id, 1u);
+  EXPECT_EQ(fused.rule, "cross_covariance");
+  EXPECT_EQ(fused.why_not_tracklets, "no tracklets from a");
+  ASSERT_EQ(fused.sources.size(), 2u);
+  EXPECT_EQ(fused.sources[0].tracker, "a");
+  EXPECT_EQ(fused.sources[0].id, 7u);
+  EXPECT_NEAR(fused.sources[0].age, 0.1, 1e-9);
+  EXPECT_NEAR(fused.sources[0].weight + fused.sources[1].weight, 1.0, 1e-12);
+  EXPECT_NEAR(fused.sources[0].distance_squared, 0.0, 1e-9);
+  EXPECT_TRUE(fused.left_out.empty());
+}
+
+/// Two sightings of one sensor, as tracklets of the track of `tracksOf`.
+sightline::TrackletArray trackletsOf(const std::string& tracker, double stamp, double since) {
+  sightline::TrackletArray array;
+  array.header.stamp = ros::Time(stamp);
+  array.header.frame_id = "platform_enu";
+  array.tracker = tracker;
+  if (since > 0.0) array.since = ros::Time(since);
+  array.tracklets.resize(2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    sightline::Tracklet& tracklet = array.tracklets[i];
+    tracklet.track = 7;
+    tracklet.sensor = "sensor of " + tracker;
+    tracklet.stamp = ros::Time(stamp - (i == 0 ? 0.05 : 0.0));
+    tracklet.azimuth = 0.5;
+    tracklet.covariance[0] = tracklet.covariance[3] = 2e-6;
+    tracklet.sightings = 1.0;
+    tracklet.ifov = std::numeric_limits<double>::quiet_NaN();
+  }
+  return array;
+}
+
+TEST_F(Component, TrackletsOfAllTrackersMakeTheTrackAndTheReportSaysSo) {
+  FusionResult result;
+  for (int k = 0; k < 30; ++k) {
+    const double stamp = 10.0 + 0.1 * k;
+    for (const char* tracker : {"a", "b"}) {
+      EXPECT_EQ(component_.onTracklets(trackletsOf(tracker, stamp, k == 0 ? 0.0 : stamp - 0.1),
+                                       std::string("/") + tracker + "/tracklets", at(stamp)),
+                "");
+      result = fuse(tracksOf(tracker, stamp));
+    }
+  }
+  ASSERT_EQ(result.report->tracks.size(), 1u);
+  EXPECT_EQ(result.report->tracks[0].rule, "tracklets");
+  EXPECT_EQ(result.report->tracks[0].why_not_tracklets, "");
+  EXPECT_NEAR(result.report->tracks[0].sources.at(0).weight, 0.5, 0.05) << "one message apart";
+  EXPECT_NEAR(result.tracks->tracks.at(0).azimuth, 0.5, 1e-9);
+  EXPECT_EQ(component_.lateTracklets(), 0u);
+}
+
+TEST_F(Component, TrackletsThatCannotBeUsedAreRefusedWithTheReason) {
+  const auto refusal = [this](const sightline::TrackletArray& array,
+                              const std::string& topic = "/a/tracklets") {
+    return component_.onTracklets(array, topic, at(10.0));
+  };
+  sightline::TrackletArray array = trackletsOf("a", 10.0, 0.0);
+  array.header.frame_id = "other_ship";
+  EXPECT_EQ(refusal(array).substr(0, 6), "frame:");
+  EXPECT_EQ(refusal(trackletsOf("a", 11.0, 0.0)).substr(0, 7), "future:");
+  EXPECT_EQ(refusal(trackletsOf("my_fusion", 10.0, 0.0)).substr(0, 9), "feedback:");
+  EXPECT_EQ(refusal(trackletsOf("a", 10.0, 0.0)), "");
+  EXPECT_EQ(refusal(trackletsOf("a", 10.0, 9.9), "/elsewhere").substr(0, 5), "name:");
+  const auto spoilt = [&](auto spoil) {
+    sightline::TrackletArray bad = trackletsOf("a", 10.0, 9.9);
+    spoil(bad.tracklets[0]);
+    return refusal(bad);
+  };
+  EXPECT_EQ(spoilt([](auto& it) { it.covariance[0] = 0.0; }).substr(0, 8), "invalid:");
+  EXPECT_EQ(spoilt([](auto& it) { it.azimuth = 90.0; }).substr(0, 8), "invalid:");
+  EXPECT_EQ(spoilt([](auto& it) { it.sightings = 0.0; }).substr(0, 8), "invalid:");
+  EXPECT_EQ(spoilt([](auto& it) { it.track = 0; }).substr(0, 8), "invalid:");
+  EXPECT_EQ(spoilt([](auto& it) { it.sensor.clear(); }).substr(0, 8), "invalid:");
+  EXPECT_EQ(spoilt([](auto& it) { it.stamp = ros::Time(10.01); }).substr(0, 8), "invalid:");
+}
+
+TEST_F(Component, GarbageIsLeftOutInTheReportWithItsReason) {
+  fuse(tracksOf("a", 10.0));
+  sightline::TrackArray garbage = tracksOf("b", 10.0);
+  garbage.tracks[0].covariance[5] = std::numeric_limits<double>::quiet_NaN();
+  const FusionResult result = fuse(garbage);
+  ASSERT_TRUE(result.tracks);
+  EXPECT_EQ(result.tracks->tracks.at(0).sources, std::vector<std::string>{"a"});
+  ASSERT_EQ(result.report->left_out.size(), 1u);
+  EXPECT_EQ(result.report->left_out[0].tracker, "b");
+  EXPECT_EQ(result.report->left_out[0].reason, "invalid: state or covariance is not finite");
+}
+
+TEST_F(Component, TracksFromAnotherFrameAreRefusedWithTheReason) {
+  fuse(tracksOf("a", 10.0));
+  sightline::TrackArray elsewhere = tracksOf("b", 10.0);
+  elsewhere.header.frame_id = "other_ship";
+  const FusionResult result = fuse(elsewhere);
+  EXPECT_FALSE(result.tracks);
+  EXPECT_NE(result.refusal.find("\"other_ship\", not in \"platform_enu\""), std::string::npos)
+      << result.refusal;
+  ASSERT_EQ(result.report->left_out.size(), 1u);
+  EXPECT_EQ(result.report->left_out[0].reason, result.refusal);
+  EXPECT_EQ(result.report->tracks.size(), 1u) << "the rest is as it was";
+}
+
+TEST_F(Component, StampsFromTheFutureAreRefusedUnlessTheClockIsNotKnown) {
+  const FusionResult result = component_.onTracks(tracksOf("a", 10.5), "/a/tracks", at(10.0));
+  EXPECT_EQ(result.refusal.substr(0, 7), "future:");
+  EXPECT_FALSE(result.tracks);
+  EXPECT_TRUE(component_.onTracks(tracksOf("a", 10.05), "/a/tracks", at(10.0)).tracks);
+  EXPECT_TRUE(component_.onTracks(tracksOf("a", 99.0), "/a/tracks", core::Time{}).tracks);
+}
+
+TEST_F(Component, OwnTracksAreRefused) {
+  EXPECT_EQ(fuse(tracksOf("my_fusion", 10.0)).refusal.substr(0, 9), "feedback:");
+}
+
+TEST_F(Component, NameThatAnotherTopicUsesIsRefusedUntilThatFallsSilent) {
+  EXPECT_EQ(fuse(tracksOf("tracker", 10.0), "/a").refusal, "");
+  EXPECT_EQ(fuse(tracksOf("tracker", 10.1), "/b").refusal.substr(0, 5), "name:");
+  EXPECT_EQ(fuse(tracksOf("tracker", 10.2), "/a").refusal, "");
+  EXPECT_EQ(fuse(tracksOf("tracker", 11.3), "/b").refusal, "") << "moved";
+}
+
+TEST_F(Component, LateTracksAreRefused) {
+  fuse(tracksOf("a", 10.0));
+  const FusionResult result = fuse(tracksOf("a", 9.9));
+  EXPECT_EQ(result.refusal.substr(0, 5), "late:");
+  EXPECT_FALSE(result.tracks);
+}
+
+TEST_F(Component, ResetStartsAgainWithNewIds) {
+  fuse(tracksOf("a", 100.0));
+  component_.reset();
+  const FusionResult result = fuse(tracksOf("a", 10.0));
+  ASSERT_TRUE(result.tracks);
+  EXPECT_EQ(result.tracks->tracks.at(0).id, 2u);
+}
+
+std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& key) {
+  for (const auto& value : status.values) {
+    if (value.key == key) return value.value;
+  }
+  return "(absent)";
+}
+
+TEST_F(Component, HealthShowsRatesAgesTracksAndReasons) {
+  TrackFusionHealth health({"/a/tracks", "/b/tracks"}, 2.0);
+  diagnostic_updater::DiagnosticStatusWrapper before;
+  health.diagnose(at(10.0), before);
+  EXPECT_EQ(before.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(before.message.find("nothing yet on /a/tracks"), std::string::npos) << before.message;
+
+  const auto note = [&](const sightline::TrackArray& local) {
+    health.note(local, "/" + local.tracker + "/tracks", fuse(local));
+  };
+  for (int i = 0; i < 20; ++i) {
+    note(tracksOf("a", 10.0 + 0.05 * i));
+    note(tracksOf("b", 10.0 + 0.05 * i));
+  }
+  sightline::TrackArray elsewhere = tracksOf("b", 11.0);
+  elsewhere.header.frame_id = "other_ship";
+  note(elsewhere);
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(at(11.0), status);
+  EXPECT_EQ(valueOf(status, "/a/tracks: tracker"), "a");
+  EXPECT_EQ(valueOf(status, "/a/tracks: rate [Hz]"), "20.0");
+  EXPECT_EQ(valueOf(status, "/b/tracks: age of last report [s]"), "0.050");
+  EXPECT_EQ(valueOf(status, "/b/tracks: tracks"), "1");
+  EXPECT_EQ(valueOf(status, "global tracks confirmed"), "1");
+  EXPECT_EQ(valueOf(status, "complaints, frame"), "1");
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(status.message.find("frame: 1 new"), std::string::npos) << status.message;
+
+  for (int i = 0; i < 40; ++i) note(tracksOf("a", 11.0 + 0.05 * i));  // b is silent
+  diagnostic_updater::DiagnosticStatusWrapper silent;
+  health.diagnose(at(13.0), silent);
+  EXPECT_EQ(silent.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(silent.message.find("no tracks on /b/tracks for"), std::string::npos) << silent.message;
+  EXPECT_EQ(valueOf(silent, "local tracks left out now, stale"), "1");
+
+  note(tracksOf("b", 13.0));
+  note(tracksOf("a", 13.0));
+  diagnostic_updater::DiagnosticStatusWrapper calm;
+  health.diagnose(at(13.1), calm);
+  EXPECT_EQ(calm.level, diagnostic_msgs::DiagnosticStatus::OK) << calm.message;
+  EXPECT_EQ(calm.message, "1 confirmed");
+}
+
+TEST_F(Component, BiasedSensorIsInTheReportTheDiagnosticsAndTheLog) {
+  TrackFusionHealth health({"/a/tracks", "/b/tracks", "/c/tracks"}, 2.0);
+  FusionResult result;
+  std::vector<sightline::SensorHealth> changes;
+  std::vector<std::string> lines;
+  double stamp = 0.0;
+  for (int k = 0; k < 60; ++k) {
+    stamp = 10.0 + 0.1 * k;
+    for (const char* tracker : {"a", "b", "c"}) {
+      const double azimuth = tracker == std::string("c") && k >= 20 ? 0.506 : 0.5;
+      sightline::TrackletArray tracklets = trackletsOf(tracker, stamp, k == 0 ? 0.0 : stamp - 0.1);
+      for (auto& tracklet : tracklets.tracklets) tracklet.azimuth = azimuth;
+      component_.onTracklets(tracklets, std::string("/") + tracker + "/tracklets", at(stamp));
+      const sightline::TrackArray tracks = tracksOf(tracker, stamp, azimuth);
+      result = fuse(tracks);
+      health.note(tracks, std::string("/") + tracker + "/tracks", result);
+      for (const std::string& line : health.sensorLines(result, at(stamp))) lines.push_back(line);
+      for (const auto& change : result.report->tracks.at(0).sensor_changes) changes.push_back(change);
+    }
+  }
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].sensor, "sensor of c");
+  EXPECT_EQ(changes[0].verdict, "biased");
+  EXPECT_FALSE(changes[0].undecided);
+  EXPECT_NEAR(changes[0].since.toSec(), 12.0, 0.11);
+  EXPECT_GT(changes[0].noticed, changes[0].since);
+  EXPECT_GT(changes[0].bias[0], 1.0);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("sensor \"sensor of c\" off by"), std::string::npos) << lines[0];
+
+  ASSERT_EQ(result.report->tracks.size(), 1u);
+  const sightline::FusedTrack& fused = result.report->tracks[0];
+  ASSERT_EQ(fused.left_out.size(), 1u);
+  EXPECT_EQ(fused.left_out[0].tracker, "c");
+  EXPECT_EQ(fused.left_out[0].reason.substr(0, 7), "biased:");
+  EXPECT_EQ(fused.sensors.size(), 3u);
+  EXPECT_NEAR(result.tracks->tracks.at(0).azimuth, 0.5, 1e-6) << "the bias is out of the state";
+
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(at(stamp), status);
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(status.message.find("sensor of c: track 1: off by"), std::string::npos) << status.message;
+  EXPECT_NE(valueOf(status, "guard of sensor of c").find("not used"), std::string::npos);
+  EXPECT_EQ(valueOf(status, "guard of sensor of a"), "track 1: healthy");
+}
+
+TEST_F(Component, WarningsOfOneKindComeAtMostEveryFiveSeconds) {
+  TrackFusionHealth health({"/a/tracks"}, 2.0);
+  sightline::TrackArray garbage = tracksOf("a", 10.0);
+  garbage.tracks[0].covariance.fill(0.0);
+  std::vector<std::string> lines;
+  for (int i = 0; i < 120; ++i) {
+    garbage.header.stamp = ros::Time(10.0 + 0.1 * i);
+    health.note(garbage, "/a/tracks", fuse(garbage));
+    for (const std::string& line : health.warnings(at(10.0 + 0.1 * i))) lines.push_back(line);
+  }
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_NE(lines[0].find("covariance is zero"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[0].find("track 7 of \"a\""), std::string::npos) << lines[0];
+  EXPECT_NE(lines[1].find("(50 new, 51 in all)"), std::string::npos) << lines[1];
+}
+
+}  // namespace

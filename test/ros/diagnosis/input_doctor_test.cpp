@@ -1,0 +1,140 @@
+// `rosrun sightline doctor` on a live graph: good sensors, and bad ones beside them.
+#include <array>
+#include <cstdio>
+#include <functional>
+#include <future>
+#include <map>
+#include <memory>
+#include <string>
+#include <sys/wait.h>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <ros/ros.h>
+#include <sightline/SightingArray.h>
+
+#include "support/received.h"
+#include "support/scans.h"
+
+namespace {
+
+using sightline::SightingArray;
+
+std::string topicOf(const std::string& sensor) {
+  return "/sensors/" + sensor + "/sightings";
+}
+
+/// Runs a command; its exit code and everything it said.
+std::pair<int, std::string> outcomeOf(const std::string& command) {
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return {-1, "cannot start " + command};
+  std::string said;
+  std::array<char, 512> buffer;
+  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) said += buffer.data();
+  const int status = pclose(pipe);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, said};
+}
+
+class Doctor : public testing::Test {
+ protected:
+  using Change = std::function<void(SightingArray& scan)>;
+
+  /// A sensor that sees the target from now on; `change` spoils it.
+  void add(
+      const std::string& sensor, const std::string& topic, const Change& change = [](SightingArray&) {}) {
+    sensors_.push_back({sensor, nh_.advertise<SightingArray>(topic, 100), change,
+                        SeenTarget(static_cast<unsigned>(sensors_.size() + 1))});
+  }
+
+  void addThreeGoodOnes() {
+    for (const char* sensor : {"a", "b", "c"}) add(sensor, topicOf(sensor));
+  }
+
+  /// Exit code and words of the doctor, with the sensors at work.
+  std::pair<int, std::string> examine() {
+    auto outcome =
+        std::async(std::launch::async, [] { return outcomeOf("rosrun sightline doctor --seconds 4"); });
+    ros::WallRate rate(30.0);
+    while (outcome.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+      for (Sensor& sensor : sensors_) {
+        const double now = ros::Time::now().toSec();
+        SightingArray scan = scanOf(sensor.name, now, {sensor.target.at(now)});
+        sensor.change(scan);
+        sensor.publisher.publish(scan);
+      }
+      ros::spinOnce();
+      rate.sleep();
+    }
+    return outcome.get();
+  }
+
+  struct Sensor {
+    std::string name;
+    ros::Publisher publisher;
+    Change change;
+    SeenTarget target;
+  };
+
+  ros::NodeHandle nh_;
+  std::vector<Sensor> sensors_;
+};
+
+TEST_F(Doctor, FindsNothingWrongWithGoodSensorsAndSaysSo) {
+  addThreeGoodOnes();
+  ASSERT_TRUE(eventually([&] { return sensors_[2].publisher.getNumSubscribers() > 0; }));
+  const auto [code, said] = examine();
+  EXPECT_EQ(code, 0) << said;
+  EXPECT_NE(said.find("nothing wrong found"), std::string::npos) << said;
+  EXPECT_NE(said.find("sensors: 3, trackers: 1"), std::string::npos) << said;
+}
+
+TEST_F(Doctor, SaysOfEveryBadSensorWhatIsWrongWithIt) {
+  addThreeGoodOnes();
+  add("early", topicOf("early"), [](SightingArray& scan) { scan.header.stamp += ros::Duration(0.8); });
+  add("frameless", topicOf("frameless"), [](SightingArray& scan) { scan.header.frame_id = ""; });
+  add("lost", topicOf("lost"), [](SightingArray& scan) { scan.header.frame_id = "no_such_frame"; });
+  add("sure", topicOf("sure"), [](SightingArray& scan) {
+    scan.sightings[0].covariance = {1e-8, 0.0, 0.0, 1e-8};
+  });
+  add("mirrored", topicOf("mirrored"), [](SightingArray& scan) { scan.sightings[0].azimuth *= -1.0; });
+  add("degrees", topicOf("degrees"), [](SightingArray& scan) { scan.sightings[0].azimuth *= 57.3; });
+  add("capped", topicOf("capped"), [](SightingArray& scan) { scan.sightings.clear(); });
+  add("a", topicOf("a_again"));
+  const ros::Publisher silent = nh_.advertise<SightingArray>("/silent", 1);
+  const auto [code, said] = examine();
+  EXPECT_EQ(code, 1) << said;
+  EXPECT_NE(said.find("things are wrong"), std::string::npos) << said;
+  const std::vector<std::string> expected{
+      "early on /sensors/early/sightings: its stamps are 0.8",
+      "header.frame_id is empty",
+      "\"no_such_frame\" has no transform to the tracking frame \"platform_enu\"",
+      "sure on /sensors/sure/sightings: its covariance is too small",
+      "mirrored on /sensors/mirrored/sightings: what it sees is",
+      "are these degrees?",
+      "note   capped on /sensors/capped/sightings: saw nothing",
+      "a: two sensors have one name",
+      "/silent: is published by",
+      "/sensors/early/sightings: no tracker listens to it",
+  };
+  for (const std::string& words : expected)
+    EXPECT_NE(said.find(words), std::string::npos) << words << "\n" << said;
+  for (const char* good : {"WRONG  a on", "WRONG  b on", "WRONG  c on"})
+    EXPECT_EQ(said.find(good), std::string::npos) << said;
+}
+
+TEST_F(Doctor, RefusesWhatItDoesNotUnderstand) {
+  const auto [code, said] = outcomeOf("rosrun sightline doctor --seconds never");
+  EXPECT_EQ(code, 2) << said;
+  EXPECT_NE(said.find("--seconds: expected a number above 0, got \"never\""), std::string::npos) << said;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "input_doctor_test");
+  ros::NodeHandle keeps_ros_running;
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,427 @@
+#include "sightline/ros/recordings/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <random>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <ros/serialization.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sightline/FusionReport.h>
+#include <sightline/SightingArray.h>
+#include <sightline/TrackArray.h>
+#include <std_msgs/String.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "sightline/ros/params/param_reader.h"
+
+#include "support/scratch_folder.h"
+
+namespace {
+
+using sightline_ros::ParamError;
+using sightline_ros::replay;
+using sightline_ros::ReplaySettings;
+using sightline_ros::ReplaySummary;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kStart = 100.0;  // [s]
+
+sightline::SightingArray scanOf(const std::string& sensor, double stamp, double azimuth) {
+  sightline::SightingArray scan;
+  scan.header.stamp = ros::Time(stamp);
+  scan.header.frame_id = sensor;
+  scan.sensor = sensor;
+  scan.ifov = scan.detection_probability = scan.clutter_density = kNaN;
+  sightline::Sighting sighting;
+  sighting.azimuth = azimuth;
+  sighting.covariance = {1e-6, 0.0, 0.0, 1e-6};
+  sighting.snr = kNaN;
+  scan.sightings.push_back(sighting);
+  return scan;
+}
+
+/// Scans of two sensors that look at one target and some clutter.
+std::vector<sightline::SightingArray> twoSensors() {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 1e-3);
+  std::uniform_real_distribution<double> clutter(-1.0, 1.0);
+  std::vector<sightline::SightingArray> scans;
+  for (int i = 0; i < 200; ++i) {
+    const double t = 0.03 * i;
+    for (const char* sensor : {"left", "right"}) {
+      // In some scans both look at the same instant.
+      const double stamp = kStart + t + (sensor[0] == 'l' && i % 3 != 0 ? 0.011 : 0.0);
+      const double seen_at = stamp - kStart;
+      auto scan = scanOf(sensor, stamp, 0.3 * std::sin(seen_at) - 0.02 * seen_at + noise(random));
+      if (i % 5 == 0) scan.sightings.push_back(scanOf(sensor, stamp, clutter(random)).sightings[0]);
+      scans.push_back(scan);
+    }
+  }
+  return scans;
+}
+
+/// The sensors' frames, on a platform that turns.
+std::vector<tf2_msgs::TFMessage> turningFrames() {
+  std::vector<tf2_msgs::TFMessage> messages;
+  for (int i = -10; i < 350; ++i) {
+    tf2_msgs::TFMessage message;
+    for (const char* sensor : {"left", "right"}) {
+      geometry_msgs::TransformStamped transform;
+      transform.header.stamp = ros::Time(kStart + 0.02 * i);
+      transform.header.frame_id = "platform_enu";
+      transform.child_frame_id = sensor;
+      const double yaw = 0.02 * (0.02 * i);
+      transform.transform.rotation.z = std::sin(yaw / 2.0);
+      transform.transform.rotation.w = std::cos(yaw / 2.0);
+      message.transforms.push_back(transform);
+    }
+    messages.push_back(message);
+  }
+  return messages;
+}
+
+/// A recording in which every message came with a latency drawn anew up to `most` seconds.
+void record(const std::string& file, double most, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> latency(0.0, most);
+  rosbag::Bag bag(file, rosbag::bagmode::Write);
+  for (const auto& scan : twoSensors()) {
+    bag.write("/" + scan.sensor, scan.header.stamp + ros::Duration(latency(random)), scan);
+  }
+  for (const auto& message : turningFrames()) {
+    bag.write("/tf", message.transforms[0].header.stamp + ros::Duration(latency(random)), message);
+  }
+}
+
+template <typename Message>
+std::string bytesOf(const Message& message) {
+  std::string bytes(ros::serialization::serializationLength(message), '\0');
+  ros::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(&bytes[0]),
+                                     static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(stream, message);
+  return bytes;
+}
+
+/// Topic and bytes of every track message, in the order of the bag.
+std::vector<std::pair<std::string, std::string>> tracksIn(const std::string& file) {
+  rosbag::Bag bag(file);
+  std::vector<std::pair<std::string, std::string>> tracks;
+  rosbag::View view(bag, rosbag::TypeQuery("sightline/TrackArray"));
+  for (const rosbag::MessageInstance& message : view) {
+    tracks.emplace_back(message.getTopic(), bytesOf(*message.instantiate<sightline::TrackArray>()));
+  }
+  return tracks;
+}
+
+std::size_t countOf(const std::string& file, const std::string& topic) {
+  rosbag::Bag bag(file);
+  return rosbag::View(bag, rosbag::TopicQuery(topic)).size();
+}
+
+class Replay : public testing::Test {
+ protected:
+  std::string file(const std::string& name) const { return folder_.file(name); }
+  ScratchFolder folder_;
+};
+
+TEST_F(Replay, EveryScanGivesTracksOfItsSensorAndOfAllSensors) {
+  record(file("in.bag"), 0.0, 1);
+  const ReplaySummary summary = replay(file("in.bag"), file("out.bag"), {});
+  EXPECT_EQ(summary.scans, 400u);
+  EXPECT_EQ(summary.sightings, 480u);
+  EXPECT_TRUE(summary.drops.empty());
+  EXPECT_NEAR(summary.recorded, 199 * 0.03 + 0.011, 1e-6);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensors/left/tracks"), 200u);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensors/right/tracks"), 200u);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensors/right/associations"), 200u);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensor_fusion/tracks"), 400u);
+  EXPECT_EQ(countOf(file("out.bag"), "/fusion/tracks"), 400u);
+  EXPECT_EQ(countOf(file("out.bag"), "/fusion/report"), 400u);
+}
+
+TEST_F(Replay, TargetIsTrackedInTheTrackingFrameOfTheTurningPlatform) {
+  record(file("in.bag"), 0.0, 1);
+  replay(file("in.bag"), file("out.bag"), {});
+  rosbag::Bag bag(file("out.bag"));
+  sightline::TrackArray::ConstPtr last;
+  rosbag::View view(bag, rosbag::TopicQuery("/sensor_fusion/tracks"));
+  for (const rosbag::MessageInstance& message : view) last = message.instantiate<sightline::TrackArray>();
+  ASSERT_TRUE(last);
+  const double t = (last->header.stamp - ros::Time(kStart)).toSec();
+  const double seen_in_sensor = 0.3 * std::sin(t) - 0.02 * t;
+  const auto near = [&](const sightline::Track& track) {
+    return track.status == sightline::Track::CONFIRMED &&
+           std::abs(track.azimuth - (seen_in_sensor + 0.02 * t)) < 0.02;  // the platform has turned by 0.12
+  };
+  EXPECT_EQ(std::count_if(last->tracks.begin(), last->tracks.end(), near), 1);
+}
+
+TEST_F(Replay, TwoRunsGiveTheSameBytes) {
+  record(file("in.bag"), 0.2, 1);
+  replay(file("in.bag"), file("one.bag"), {});
+  replay(file("in.bag"), file("two.bag"), {});
+  const auto tracks = tracksIn(file("one.bag"));
+  EXPECT_EQ(tracks.size(), 1200u);
+  EXPECT_TRUE(tracks == tracksIn(file("two.bag")));
+}
+
+TEST_F(Replay, OrderOfArrivalWithinTheLagDoesNotChangeABit) {
+  record(file("in.bag"), 0.0, 1);
+  replay(file("in.bag"), file("out.bag"), {});
+  const auto tracks = tracksIn(file("out.bag"));
+  for (unsigned seed = 2; seed < 6; ++seed) {
+    record(file("shuffled.bag"), 0.45, seed);
+    const auto summary = replay(file("shuffled.bag"), file("shuffled_out.bag"), {});
+    EXPECT_TRUE(summary.drops.empty());
+    EXPECT_TRUE(tracks == tracksIn(file("shuffled_out.bag"))) << "seed " << seed;
+  }
+}
+
+TEST_F(Replay, ScanLaterThanTheLagIsDroppedAndCounted) {
+  {
+    rosbag::Bag bag(file("in.bag"), rosbag::bagmode::Write);
+    auto late = scanOf("eye", 10.0, 0.1);
+    late.header.frame_id = "platform_enu";
+    auto newer = scanOf("eye", 10.6, 0.1);
+    newer.header.frame_id = "platform_enu";
+    bag.write("/eye", ros::Time(10.6), newer);
+    bag.write("/eye", ros::Time(10.7), late);
+  }
+  const auto summary = replay(file("in.bag"), file("out.bag"), {});
+  EXPECT_EQ(summary.drops.at("recording: scan dropped, later than max_lag"), 1u);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensor_fusion/tracks"), 1u);
+}
+
+TEST_F(Replay, ScanThatNoTrackerCouldUseDoesNotDisturbTheOthers) {
+  {
+    rosbag::Bag bag(file("in.bag"), rosbag::bagmode::Write);
+    for (int i = 0; i < 10; ++i) {
+      auto scan = scanOf("eye", 10.0 + 0.1 * i, 0.1);
+      scan.header.frame_id = i == 3 ? "nowhere" : "platform_enu";
+      if (i == 4) scan.header.stamp = ros::Time(1e9);
+      if (i == 5) scan.header.stamp = ros::Time(0.0);
+      bag.write("/eye", ros::Time(10.0 + 0.1 * i), scan);
+    }
+  }
+  const auto summary = replay(file("in.bag"), file("out.bag"), {});
+  EXPECT_EQ(summary.drops.at("eye: scan dropped, no transform"), 1u);
+  EXPECT_EQ(summary.drops.at("recording: scan dropped, no stamp"), 1u);
+  EXPECT_EQ(summary.drops.at("recording: scan dropped, stamped more than max_future after it was received"),
+            1u);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensors/eye/tracks"), 7u);
+}
+
+TEST_F(Replay, ARecordingOfALoopIsTrackedAgainFromItsStart) {
+  {
+    rosbag::Bag bag(file("in.bag"), rosbag::bagmode::Write);
+    for (const double later : {1.0, 11.0}) {  // received so long after the stamps: played twice
+      for (const auto& scan : twoSensors())
+        bag.write("/" + scan.sensor, scan.header.stamp + ros::Duration(later), scan);
+      for (const auto& message : turningFrames())
+        bag.write("/tf", message.transforms[0].header.stamp + ros::Duration(later), message);
+    }
+  }
+  const ReplaySummary summary = replay(file("in.bag"), file("out.bag"), {});
+  ASSERT_EQ(summary.notices.size(), 1u);
+  EXPECT_NE(summary.notices[0].find("stamps went back by"), std::string::npos) << summary.notices[0];
+  EXPECT_GT(countOf(file("out.bag"), "/sensor_fusion/tracks"), 780u)
+      << "of 800 scans; the first ones are late";
+  rosbag::Bag bag(file("out.bag"));
+  rosbag::View view(bag, rosbag::TopicQuery("/fusion/tracks"));
+  int of_the_end = 0;  // fused tracks of the last second, of both rounds
+  for (const rosbag::MessageInstance& message : view) {
+    const auto tracks = message.instantiate<sightline::TrackArray>();
+    of_the_end += tracks->header.stamp > ros::Time(kStart + 5.0) && tracks->tracks.size() == 1 ? 1 : 0;
+  }
+  EXPECT_GT(of_the_end, 100);
+}
+
+TEST_F(Replay, ASensorAnHourAheadDoesNotDisturbTheOthers) {
+  // Recorded at another time than the stamps', so that no clock tells who is right.
+  const auto write = [&](const std::string& name, bool with_third) {
+    rosbag::Bag bag(file(name), rosbag::bagmode::Write);
+    const ros::Duration later(1e6);
+    for (const auto& scan : twoSensors()) {
+      bag.write("/" + scan.sensor, scan.header.stamp + later, scan);
+      if (!with_third || scan.sensor == "right") continue;
+      auto ahead = scanOf("third", scan.header.stamp.toSec() + 3600.0, 0.1);
+      ahead.header.frame_id = "platform_enu";
+      bag.write("/third", scan.header.stamp + later + ros::Duration(0.001), ahead);
+    }
+    for (const auto& message : turningFrames())
+      bag.write("/tf", message.transforms[0].header.stamp + later, message);
+  };
+  write("two.bag", false);
+  write("three.bag", true);
+  replay(file("two.bag"), file("out_two.bag"), {});
+  const ReplaySummary summary = replay(file("three.bag"), file("out_three.bag"), {});
+  ASSERT_EQ(summary.notices.size(), 1u);
+  EXPECT_NE(summary.notices[0].find("stamps of third are 3600 s ahead"), std::string::npos)
+      << summary.notices[0];
+  EXPECT_EQ(summary.drops.at("recording: scan dropped, its stamp is ahead of the other sensors'"), 200u);
+  EXPECT_EQ(tracksIn(file("out_three.bag")), tracksIn(file("out_two.bag")));
+}
+
+TEST_F(Replay, EveryMessageThatIsNotReplacedIsCopied) {
+  record(file("in.bag"), 0.0, 1);
+  {
+    rosbag::Bag bag(file("in.bag"), rosbag::bagmode::Append);
+    std_msgs::String note;
+    note.data = "keep me";
+    bag.write("/note", ros::Time(kStart + 1.0), note);
+    sightline::TrackArray old;
+    old.tracker = "of the live run";
+    bag.write("/sensor_fusion/tracks", ros::Time(kStart + 1.0), old);
+    bag.write("/truth", ros::Time(kStart + 1.0), old);
+  }
+  const auto summary = replay(file("in.bag"), file("out.bag"), {});
+  EXPECT_EQ(summary.copied_messages, 400u + turningFrames().size() + 2u);
+  EXPECT_EQ(countOf(file("out.bag"), "/left"), 200u);
+  EXPECT_EQ(countOf(file("out.bag"), "/tf"), turningFrames().size());
+  EXPECT_EQ(countOf(file("out.bag"), "/truth"), 1u);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensor_fusion/tracks"), 400u) << "the live run's are replaced";
+  rosbag::Bag bag(file("out.bag"));
+  rosbag::View notes(bag, rosbag::TopicQuery("/note"));
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes.begin()->instantiate<std_msgs::String>()->data, "keep me");
+  EXPECT_EQ(notes.begin()->getTime(), ros::Time(kStart + 1.0));
+}
+
+TEST_F(Replay, FusedTrackIsMadeOfBothSensorsTracks) {
+  record(file("in.bag"), 0.0, 1);
+  replay(file("in.bag"), file("out.bag"), {});
+  rosbag::Bag bag(file("out.bag"));
+  rosbag::View view(bag, rosbag::TopicQuery("/fusion/tracks"));
+  const auto is_of_both = [](const sightline::Track& track) {
+    return track.sources == std::vector<std::string>{"left", "right"};
+  };
+  std::size_t with_both = 0;
+  for (const rosbag::MessageInstance& message : view) {
+    const auto fused = message.instantiate<sightline::TrackArray>();
+    EXPECT_EQ(fused->tracker, "fusion");
+    if (std::any_of(fused->tracks.begin(), fused->tracks.end(), is_of_both)) ++with_both;
+  }
+  EXPECT_GE(with_both, 300u);
+}
+
+TEST_F(Replay, FusedTrackKnowsWhatTheTrackerOverAllSensorsKnows) {
+  record(file("in.bag"), 0.0, 1);
+  // Trackers of their own sightings learn the sensors' noise a little differently.
+  const std::string stated = "{noise_calibration: {enabled: false}}";
+  const std::string config =
+      folder_.write("config.yaml", "local_tracker: " + stated + "\nsensor_fusion: " + stated + "\n");
+  replay(file("in.bag"), file("out.bag"), {config, "kalman", ""});
+  EXPECT_EQ(countOf(file("out.bag"), "/sensors/left/tracklets"), 200u);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensor_fusion/tracklets"), 400u);
+  rosbag::Bag bag(file("out.bag"));
+  std::map<ros::Time, sightline::Track> fused, central;
+  std::size_t by_tracklets = 0;
+  rosbag::View view(bag);
+  for (const rosbag::MessageInstance& message : view) {
+    const bool is_central = message.getTopic() == "/sensor_fusion/tracks";
+    if (is_central || message.getTopic() == "/fusion/tracks") {
+      const auto array = message.instantiate<sightline::TrackArray>();
+      for (const sightline::Track& track : array->tracks)
+        if (track.status == sightline::Track::CONFIRMED && track.hits > 50)
+          (is_central ? central : fused)[array->header.stamp] = track;
+    } else if (message.getTopic() == "/fusion/report") {
+      const auto report = message.instantiate<sightline::FusionReport>();
+      for (const auto& track : report->tracks) by_tracklets += track.rule == "tracklets" ? 1 : 0;
+    }
+  }
+  EXPECT_GT(by_tracklets, 300u);
+  // Where all trackers took the same sightings the two are equal; now and then clutter goes to one of them.
+  std::size_t compared = 0, equal = 0;
+  for (const auto& [stamp, track] : fused) {
+    const auto other = central.find(stamp);
+    if (other == central.end()) continue;
+    ++compared;
+    if (std::abs(track.azimuth - other->second.azimuth) < 0.01 * std::sqrt(track.covariance[0])) ++equal;
+  }
+  EXPECT_GT(compared, 200u);
+  EXPECT_GT(equal, compared * 8 / 10);
+}
+
+TEST_F(Replay, ConfigurationAndEstimatorAreObeyed) {
+  record(file("in.bag"), 0.0, 1);
+  const std::string config =
+      folder_.write("config.yaml",
+                    "local_tracker: {estimator: kalman, lifecycle: {confirm_hits: 2}}\n"
+                    "sensor_fusion: {tracker_name: everything}\n"
+                    "track_fusion: {rule: weighted_covariance}\n");
+  const auto newest = [&](const std::string& topic) {
+    rosbag::Bag bag(file("out.bag"));
+    rosbag::View view(bag, rosbag::TopicQuery(topic));
+    sightline::TrackArray::ConstPtr message;
+    for (const rosbag::MessageInstance& instance : view)
+      message = instance.instantiate<sightline::TrackArray>();
+    return *message;
+  };
+  replay(file("in.bag"), file("out.bag"), {config, "", ""});
+  EXPECT_EQ(newest("/sensors/left/tracks").estimator, "kalman");
+  EXPECT_EQ(newest("/sensors/left/tracks").tracker, "left");
+  EXPECT_EQ(newest("/sensor_fusion/tracks").tracker, "everything");
+  EXPECT_EQ(newest("/fusion/tracks").estimator, "weighted_covariance");
+  replay(file("in.bag"), file("out.bag"), {config, "imm", "covariance_intersection"});
+  EXPECT_EQ(newest("/sensors/left/tracks").estimator, "imm");
+  EXPECT_EQ(newest("/sensor_fusion/tracks").estimator, "imm");
+  EXPECT_EQ(newest("/fusion/tracks").estimator, "covariance_intersection");
+}
+
+TEST_F(Replay, WrongSettingsAreRefusedAndLeaveNothingBehind) {
+  record(file("in.bag"), 0.0, 1);
+  const auto refusal = [&](const std::string& in, const std::string& out, const ReplaySettings& settings) {
+    try {
+      replay(in, out, settings);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string config = folder_.write("config.yaml", "local_traker: {estimator: kalman}\n");
+  EXPECT_NE(refusal(file("in.bag"), file("out.bag"), {config, "", ""}).find("did you mean"),
+            std::string::npos);
+  EXPECT_NE(refusal(file("in.bag"), file("out.bag"), {"", "kallman", ""}).find("expected one of"),
+            std::string::npos);
+  EXPECT_NE(refusal(file("in.bag"), file("out.bag"), {"", "", "magic"}).find("expected one of"),
+            std::string::npos);
+  EXPECT_NE(refusal(file("in.bag"), file("in.bag"), {}).find("read and written at once"), std::string::npos);
+  EXPECT_NE(refusal(file("absent.bag"), file("out.bag"), {}).find("no such file"), std::string::npos);
+  EXPECT_NE(refusal(folder_.write("text.bag", "hello"), file("out.bag"), {}).find("no readable bag"),
+            std::string::npos);
+  {
+    rosbag::Bag bag(file("empty.bag"), rosbag::bagmode::Write);
+    bag.write("/note", ros::Time(1.0), std_msgs::String());
+  }
+  EXPECT_NE(refusal(file("empty.bag"), file("out.bag"), {}).find("no sightline/SightingArray"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(file("out.bag")));
+  EXPECT_FALSE(std::filesystem::exists(file("out.bag.unfinished")));
+}
+
+TEST_F(Replay, SensorWhoseNameIsNoTopicIsGivenOne) {
+  {
+    rosbag::Bag bag(file("in.bag"), rosbag::bagmode::Write);
+    for (const char* sensor : {"cam-1", "cam_1"}) {
+      auto scan = scanOf(sensor, 10.0, 0.1);
+      scan.header.frame_id = "platform_enu";
+      bag.write("/eye", ros::Time(10.0), scan);
+    }
+  }
+  const auto summary = replay(file("in.bag"), file("out.bag"), {});
+  EXPECT_EQ(summary.topics.size(), 1u);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensors/cam_1/tracks"), 1u);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensors/cam_1_/tracks"), 1u);
+}
+
+}  // namespace
