@@ -42,8 +42,9 @@ else()
   file(WRITE ${CPACK_PROJECT_CONFIG_FILE} "")
 endif()
 
-# catkin writes the prefix that was configured into what other packages read: in the package it is /usr.
-set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_BINARY_DIR}/mend_prefix.cmake)
+# catkin writes the prefix that was configured into what other packages read: in the package it is /usr. And what Python
+# compiled here is nothing to another machine's Python.
+set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_BINARY_DIR}/tidy_package.cmake)
 file(WRITE ${CPACK_PRE_BUILD_SCRIPTS} "set(configured \"${CMAKE_INSTALL_PREFIX}\")\n" [=[
 foreach(file lib/pkgconfig/sightline.pc share/sightline/cmake/sightlineConfig.cmake)
   set(file ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/${file})
@@ -53,6 +54,11 @@ foreach(file lib/pkgconfig/sightline.pc share/sightline/cmake/sightlineConfig.cm
     file(WRITE ${file} "${text}")
   endif()
 endforeach()
+file(GLOB compiled ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/lib/python3/dist-packages/sightline/__pycache__
+  ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/lib/python3/dist-packages/sightline/*/__pycache__)
+if(compiled)
+  file(REMOVE_RECURSE ${compiled})
+endif()
 ]=])
 
 include(CPack)
