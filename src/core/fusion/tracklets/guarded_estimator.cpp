@@ -213,8 +213,7 @@ void GuardedEstimator::restore(const Moment& moment) {
   scales_.resize(scales_.size() - (taken_ - moment.taken));
   taken_ = moment.taken;
   last_ = moment.last;
-  estimator_.reset();
-  if (moment.estimator) estimator_.emplace(*moment.estimator);
+  estimator_ = std::optional<ChartedEstimator>(moment.estimator);
   guard_ = moment.guard;
   seen_ = moment.seen;
 }
