@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "sightline/core/association/assignment.h"
+#include "sightline/core/association/clusters.h"
 #include "sightline/core/association/joint_association.h"
 
 namespace sightline::core {
@@ -110,17 +111,6 @@ void take(const GatedPair& pair, const std::vector<TrackPrediction>& predictions
   pairing.sighting_of[i] = pair.sighting;
   pairing.prediction_of[static_cast<std::size_t>(pair.sighting)] = pair.track;
   pairing.evidence[i] = missWeight(predictions[i]) + std::exp(std::min(pair.log_ratio, kMostLogRatio));
-}
-
-/// Index of each value within the sorted list of those that occur.
-std::vector<int> occurring(std::vector<int> values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-  return values;
-}
-
-Eigen::Index indexIn(const std::vector<int>& sorted, int value) {
-  return std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin();
 }
 
 /// The best assignment within one cluster.
