@@ -31,7 +31,7 @@ ChartedState ChartedEstimator::predict(Time time) const {
   return {chart_, *estimator_->stateAt(time)};
 }
 
-bool ChartedEstimator::follow(Time time) {
+bool ChartedEstimator::follow(Time time) {  // (S-13)
   const Eigen::Vector2d expected = estimator_->stateAt(time)->angles();
   if (chart_.holds(expected)) return false;
   const Chart next = chart_.following(chart_.directionAt(expected));

@@ -154,7 +154,7 @@ void NogaConsistentEstimator::start(const Measurement& measurement) {
 }
 
 /// What each model expects `h` seconds after the last sighting, after the models have interacted.
-NogaConsistentEstimator::Beliefs NogaConsistentEstimator::expected(double h) const {
+NogaConsistentEstimator::Beliefs NogaConsistentEstimator::expected(double h) const {  // (S-25), (S-26)
   h = std::clamp(h, -kLongestStep, kLongestStep);
   const ModeArray own = chain_.ownShares(h);
   const Belief all = mixtureOfAll();
@@ -176,7 +176,7 @@ NogaConsistentEstimator::Beliefs NogaConsistentEstimator::expected(double h) con
   return ahead;
 }
 
-NogaConsistentEstimator::Belief NogaConsistentEstimator::mixtureOfAll() const {
+NogaConsistentEstimator::Belief NogaConsistentEstimator::mixtureOfAll() const {  // (S-6)
   const ModeArray& weights = chain_.probabilities();
   Belief all;
   all.noise.setZero();
@@ -200,7 +200,7 @@ NogaConsistentEstimator::Belief NogaConsistentEstimator::mixtureOfAll() const {
 /// `share` of `own`, for the rest `other`, in the first N components.
 template <int N>
 void NogaConsistentEstimator::blend(double share, const Belief& own, const Belief& other,
-                                    Belief& mixed) const {
+                                    Belief& mixed) const {  // (S-6)
   const double rest = 1.0 - share;
   Eigen::Matrix<double, N, 1> offset[2];
   for (int channel = 0; channel < 2; ++channel) {
@@ -222,6 +222,7 @@ void NogaConsistentEstimator::blend(double share, const Belief& own, const Belie
 
 /// Constant velocity with white acceleration; of acceleration and kappa, of which it knows nothing, it says
 /// N(0, sigma^2) each.
+// (S-17)
 void NogaConsistentEstimator::stepStraight(Belief& belief, const ResponseModel& model, double h) const {
   const double age = std::abs(h);
   for (int channel = 0; channel < 2; ++channel) {
@@ -245,6 +246,7 @@ void NogaConsistentEstimator::stepStraight(Belief& belief, const ResponseModel& 
 }
 
 /// The unknown kappa makes the motion of each channel another one.
+// (S-8)
 void NogaConsistentEstimator::stepHarmonic(Belief& belief, const ResponseModel& model, double h) const {
   Eigen::Matrix4d F[2];
   for (int channel = 0; channel < 2; ++channel) {
@@ -259,6 +261,7 @@ void NogaConsistentEstimator::stepHarmonic(Belief& belief, const ResponseModel& 
 }
 
 /// Motions that are linear, and alike in both channels.
+// (S-8), (S-29)
 void NogaConsistentEstimator::stepLinear(Belief& belief, const ResponseModel& model, double h) const {
   const Eigen::Vector4d origin = Eigen::Vector4d::Zero();
   const Transition step = model.kind == ResponseModel::Kind::fading
@@ -297,6 +300,7 @@ double NogaConsistentEstimator::reduce(Belief& belief, const Measurement& measur
 
 /// Takes the innovations, squared and over what was expected of them, as evidence of the sightings' noise;
 /// the angles' covariance grows and shrinks with it, as does every gain's denominator: the gains stay.
+// (S-11)
 void NogaConsistentEstimator::learnNoise(Belief& belief, const Eigen::Vector2d& distances_squared) const {
   Eigen::Vector4d growth[2];
   for (int channel = 0; channel < 2; ++channel) {
@@ -319,7 +323,7 @@ Eigen::Vector2d NogaConsistentEstimator::noiseScale() const {
 
 /// Soft gate: the share of a sighting that is the target's, when outliers are spread evenly.
 double NogaConsistentEstimator::takenShare(double log_likelihood, double log_outlier_density,
-                                           double& log_mixture) const {
+                                           double& log_mixture) const {  // (S-28)
   if (params_.outlier_share == 0.0) {
     log_mixture = log_likelihood;
     return 1.0;
@@ -330,7 +334,7 @@ double NogaConsistentEstimator::takenShare(double log_likelihood, double log_out
 }
 
 /// `D`: variance of the innovation.
-double NogaConsistentEstimator::logOutlierDensity(int channel, double noise, double D) const {
+double NogaConsistentEstimator::logOutlierDensity(int channel, double noise, double D) const {  // (S-28)
   return -std::log(std::max(params_.outlier_width * amplitude(channel, noise), kOutlierReach * std::sqrt(D)));
 }
 
