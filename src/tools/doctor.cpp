@@ -13,12 +13,20 @@ using namespace sightline_ros;
 
 const char* const kUsage =
     "Usage: doctor [--seconds S] [--tracking-frame F]\n"
-    "Observes the running sensors, trackers and fusions for some time and reports what is wrong with their "
-    "topics,\n"
-    "frames, stamps, rates and covariances, and the remedy. Exit code 0: nothing is wrong; 1: something is.\n"
-    "  --seconds S          how long to observe (default 10)\n"
+    "Examines the running sensors, trackers and fusions for some time, and reports what is wrong with their\n"
+    "topics, frames, stamps, rates and covariances, and what to do about it.\n"
+    "Exit code 0: nothing is wrong; 1: something is.\n"
+    "  --seconds S          how long to examine (default 10)\n"
     "  --tracking-frame F   frame in which targets are tracked (default: that of the running trackers, or "
     "platform_enu)\n";
+
+double secondsFrom(const CommandLine& line) {
+  const std::string text = line.option("--seconds", "10");
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (!text.empty() && *end == '\0' && std::isfinite(value) && value > 0.0) return value;
+  throw UsageError("--seconds: expected a number above 0, got \"" + text + "\"");
+}
 
 std::string millis(const std::optional<double>& seconds) {
   char text[32] = "-";
@@ -45,9 +53,9 @@ void printSensors(const InputDoctor& doctor, double seconds) {
 
 /// How many things are wrong.
 std::size_t examine(const std::vector<std::string>& words) {
-  const sightline::report::CommandLine line(words, {"--seconds", "--tracking-frame"}, 0, 0);
+  const CommandLine line(words, {"--seconds", "--tracking-frame"}, 0, 0);
   DoctorParams params;
-  params.seconds = line.number("--seconds", params.seconds, sightline::report::NumberRange::above_zero);
+  params.seconds = secondsFrom(line);
   params.tracking_frame = line.option("--tracking-frame", "");
   if (!ros::master::check()) {
     throw std::runtime_error("there is no ROS master at " + ros::master::getURI() +
@@ -75,7 +83,7 @@ std::size_t examine(const std::vector<std::string>& words) {
 int main(int argc, char** argv) {
   ros::init(argc, argv, "sightline_doctor", ros::init_options::AnonymousName);
   std::size_t wrong = 0;
-  const int code = sightline::report::runTool(
+  const int code = sightline_ros::runTool(
       argc, argv, kUsage, [&](const std::vector<std::string>& words) { wrong = examine(words); });
   return code == 0 && wrong > 0 ? 1 : code;
 }

@@ -86,7 +86,7 @@ std::vector<TrackerReport> LocalTrackerComponent::onScan(const sightline::Sighti
 std::vector<TrackerReport> LocalTrackerComponent::onTransforms(core::Time now) {
   std::vector<TrackerReport> reports;
   for (FramedScan& framed : frames_.release(now)) {
-    if (framed.drop_reason.empty())
+    if (!framed.refusal)
       admit(std::move(framed), now, reports);
     else
       reports.push_back(track(framed));
@@ -104,8 +104,7 @@ void LocalTrackerComponent::admit(FramedScan framed, core::Time now, std::vector
   std::string notice;
   for (const std::string& words : admitted.notices) notice += (notice.empty() ? "" : "; ") + words;
   for (auto& passed : admitted.passed) {
-    passed.item.drop_reason = kindOf(passed.dropped);
-    passed.item.drop_detail = passed.dropped;
+    if (!passed.dropped.empty()) passed.item.refusal = core::Refusal{kindOf(passed.dropped), passed.dropped};
     reports.push_back(track(passed.item));
     reports.back().notice = std::exchange(notice, "");
     reports.back().went_back = std::exchange(admitted.went_back, std::nullopt).has_value();
@@ -124,8 +123,10 @@ sightline::TrackletArray::Ptr LocalTrackerComponent::overdueTracklets(core::Time
 TrackerReport LocalTrackerComponent::track(FramedScan& framed) {
   TrackerReport report;
   report.scan = framed.message;
-  report.drop_reason = std::move(framed.drop_reason);
-  report.drop_detail = std::move(framed.drop_detail);
+  if (framed.refusal) {
+    report.drop_reason = std::move(framed.refusal->kind);
+    report.drop_detail = std::move(framed.refusal->detail);
+  }
 
   std::vector<core::Association> associations;
   if (report.drop_reason.empty()) {

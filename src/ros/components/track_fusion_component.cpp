@@ -132,11 +132,11 @@ std::string TrackFusionComponent::onTracklets(const sightline::TrackletArray& lo
                                               core::Time now) {
   std::string refusal = refusalOf(local.tracker, local.header, topic, tracklet_origins_, now);
   if (!refusal.empty()) return refusal;
-  std::string complaint;
-  refusal = fusion_.onTracklets(sightline_ros::toCore(local, complaint));
+  const ReadTracklets read = readTracklets(local);
+  refusal = fusion_.onTracklets(read.report);
   if (!refusal.empty()) return refusal;
   note(local.tracker, local.header, topic, tracklet_origins_);
-  return complaint;
+  return read.refusal ? core::textOf(*read.refusal) : "";
 }
 
 bool TrackFusionComponent::wantsTracklets() const {

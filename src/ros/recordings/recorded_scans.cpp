@@ -8,7 +8,7 @@
 #include <rosbag/view.h>
 
 #include "sightline/ros/messages/conversions.h"
-#include "sightline/ros/messages/frames.h"
+#include "sightline/ros/messages/framed_scan.h"
 
 namespace sightline_ros {
 
@@ -42,7 +42,7 @@ std::set<std::string> sensorsOf(const rosbag::Bag& bag) {
     if (!scan)
       throw std::runtime_error(instance.getTopic() +
                                " was recorded with another definition of SightingArray");
-    if (!complaintAbout(*scan)) sensors.insert(scan->sensor);
+    if (!refusalOf(*scan)) sensors.insert(scan->sensor);
   }
   return sensors;
 }
@@ -61,8 +61,8 @@ DueScans RecordedScans::take(const SightingArray::ConstPtr& scan, const ros::Tim
   summary_.sightings += scan->sightings.size();
   const core::Time stamp = toCore(scan->header.stamp);
   DueScans due;
-  if (const auto complaint = complaintAbout(*scan)) {
-    ++summary_.drops["recording: scan dropped, " + complaint->first];
+  if (const auto refusal = refusalOf(*scan)) {
+    ++summary_.drops["recording: scan dropped, " + refusal->kind];
   } else if (core::seconds(stamp - toCore(received)) > max_future_) {
     ++summary_.drops["recording: scan dropped, stamped more than max_future after it was received"];
   } else {

@@ -1,6 +1,5 @@
 // `rosrun sightline doctor` on a live graph: good sensors, and bad ones beside them.
-#include <array>
-#include <cstdio>
+#include <chrono>
 #include <cstdlib>
 #include <functional>
 #include <future>
@@ -8,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <sys/wait.h>
 #include <utility>
 #include <vector>
 
@@ -17,6 +15,7 @@
 #include <ros/ros.h>
 #include <sightline/SightingArray.h>
 
+#include "support/command.h"
 #include "support/received.h"
 #include "support/scans.h"
 
@@ -28,22 +27,11 @@ std::string topicOf(const std::string& sensor) {
   return "/sensors/" + sensor + "/sightings";
 }
 
-/// The number that follows these words in what was said; NaN if they were not said.
-double numberAfter(const std::string& words, const std::string& said) {
-  const std::size_t begin = said.find(words);
+/// The number that follows these words in a text; NaN where they are missing.
+double numberAfter(const std::string& words, const std::string& text) {
+  const std::size_t begin = text.find(words);
   if (begin == std::string::npos) return std::numeric_limits<double>::quiet_NaN();
-  return std::strtod(said.c_str() + begin + words.size(), nullptr);
-}
-
-/// Runs a command; its exit code and everything it said.
-std::pair<int, std::string> outcomeOf(const std::string& command) {
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return {-1, "cannot start " + command};
-  std::string said;
-  std::array<char, 512> buffer;
-  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) said += buffer.data();
-  const int status = pclose(pipe);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, said};
+  return std::strtod(text.c_str() + begin + words.size(), nullptr);
 }
 
 class Doctor : public testing::Test {
@@ -65,17 +53,18 @@ class Doctor : public testing::Test {
   std::pair<int, std::string> examine() {
     auto outcome =
         std::async(std::launch::async, [] { return outcomeOf("rosrun sightline doctor --seconds 4"); });
-    ros::WallRate rate(30.0);
-    while (outcome.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+    const auto has_ended = [&] {
+      return outcome.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    };
+    const auto publishAll = [this] {
       for (Sensor& sensor : sensors_) {
         const double now = ros::Time::now().toSec();
         SightingArray scan = scanOf(sensor.name, now, {sensor.target.at(now)});
         sensor.change(scan);
         sensor.publisher.publish(scan);
       }
-      ros::spinOnce();
-      rate.sleep();
-    }
+    };
+    EXPECT_TRUE(eventually(has_ended, publishAll, ros::WallDuration(1.0 / 30.0)));
     return outcome.get();
   }
 
