@@ -70,5 +70,9 @@ if(compiled)
   file(REMOVE_RECURSE ${compiled})
 endif()
 ]=])
+# The build folder lies in the source folder as a rule, where a second six_sensors.launch would keep roslaunch from starting
+# the first.
+set(CPACK_POST_BUILD_SCRIPTS ${CMAKE_CURRENT_BINARY_DIR}/remove_package_tree.cmake)
+file(WRITE ${CPACK_POST_BUILD_SCRIPTS} "file(REMOVE_RECURSE \${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr)\n")
 
 include(CPack)
