@@ -11,6 +11,8 @@ namespace {
 
 /// Density of the rates of a new target, as far as is known: 0.3 rad/s in each angle [1/(rad/s)^2].
 constexpr double kBirthRateDensity = 1.0 / (2.0 * 3.14159265358979 * 0.3 * 0.3);
+constexpr std::size_t kMostScans = 4096;  // that can be processed again
+constexpr int kStatesPerLag = 8;          // that are kept for rolling back
 constexpr std::size_t kMostChanges = 64;  // of sensors' verdicts that are remembered
 
 bool hasUsableNumbers(const Sighting& sighting) {
@@ -65,12 +67,21 @@ Sifted sift(const Scan& scan, std::size_t most) {
   return sifted;
 }
 
+/// A late scan can be put up to max_lag back, and from there a sensor's scans are processed again over the
+/// roll-back after an alarm.
+TimelineParams timelineParams(const LocalTrackerParams& params) {
+  const double roll_back = params.guard.enabled ? params.guard.roll_back : 0.0;
+  TimelineParams timeline;
+  timeline.span = params.max_lag + roll_back;
+  timeline.interval = std::max(params.max_lag, roll_back / 2.0) / kStatesPerLag;
+  timeline.most_items = kMostScans;
+  return timeline;
+}
+
 }  // namespace
 
 LocalTracker::LocalTracker(const LocalTrackerParams& params)
-    : params_(params),
-      state_(firstState(Time{}, 1)),
-      memory_(params.max_lag, params.guard.enabled ? params.guard.roll_back : 0.0) {
+    : params_(params), state_(firstState(Time{}, 1)), scans_(timelineParams(params)) {
   if (params.max_tracks < 1 || params.max_sightings < 1 || !(params.max_lag >= 0.0)) {
     throw std::invalid_argument(
         "LocalTrackerParams: max_tracks and max_sightings >= 1, max_lag >= 0 are required");
@@ -110,81 +121,90 @@ ScanReport LocalTracker::onScan(const Scan& scan) {
 
 std::string LocalTracker::refusalOf(const Scan& scan) const {
   const double lateness = seconds(state_.time - scan.time);
-  const bool anything_before = !memory_.empty();
+  const bool anything_before = !scans_.empty();
   if (anything_before && lateness > params_.max_lag) {
     std::ostringstream why;
     why << "late: " << lateness << " s older than the newest scan, more than max_lag " << params_.max_lag
         << " s";
     return why.str();
   }
-  if (memory_.isBefore(scan.time)) {
-    return "late: more than " + std::to_string(ScanMemory<State>::kMostEntries) + " scans have come after it";
+  if (anything_before && scan.time < scans_[0].before->time) {
+    return "late: more than " + std::to_string(kMostScans) + " scans have come after it";
   }
-  if (memory_.holds(scan)) return "duplicate: this exposure of " + scan.sensor + " has been taken already";
+  if (scans_.holds(scan)) return "duplicate: this exposure of " + scan.sensor + " has been taken already";
   return {};
 }
 
 void LocalTracker::startAnew(Time time) {
   state_ = firstState(time, state_.next_id);
-  memory_.clear();
+  scans_.clear();
 }
 
-/// Follows the scan at its place in time; what had been followed after it is followed again.
+/// Processes the scan at its place in time; what had been processed after it is processed again.
 void LocalTracker::putInPlace(const Scan& scan, ScanReport& result) {
-  const std::size_t index = memory_.insert(scan);
-  const bool is_late = index + 1 < memory_.size();
-  for (std::size_t k = is_late ? memory_.goBack(index, state_) : index; k < memory_.size(); ++k) {
-    memory_.keepIfDue(k, state_);
-    const double calibration = state_.calibration.scale(memory_[k].scan.sensor);
-    std::vector<Association> decisions = follow(k);
+  const std::size_t index = scans_.insert(scan);
+  const bool is_late = index < scans_.next();
+  // From the scan before it on, so that states are kept at the same places as in order.
+  if (is_late) scans_.restore(index == 0 ? 0 : index - 1, state_);
+  for (; scans_.next() < scans_.size(); scans_.advance()) {
+    const std::size_t k = scans_.next();
+    scans_.keepIfDue(state_);
+    const double calibration = state_.calibration.scale(scans_[k].item.sensor);
+    std::vector<Association> decisions = processNext();
     if (k != index) continue;
     result.associations = std::move(decisions);
-    result.noise_scale = calibration * memory_[k].noise_scale;
+    result.noise_scale = calibration * scans_[k].use;
   }
-  memory_.forget(state_.time);
+  scans_.close(state_.time);
+  scans_.dropClosed();
   result.changes = newChanges();
 }
 
-/// One scan in order of time: the whole of tracking.
-std::vector<Association> LocalTracker::follow(std::size_t k) {
-  const Scan scan = calibrated(memory_[k].scan);
-  memory_.use(k, state_.guard.noiseScale(scan.sensor));
+/// The next scan in order of time: the whole of tracking.
+std::vector<Association> LocalTracker::processNext() {
+  const std::size_t k = scans_.next();
+  const Scan scan = calibrated(scans_[k].item);
+  scans_.use(k, state_.guard.noiseScale(scan.sensor));
   state_.time = scan.time;
   deleteTracks(scan.time);
-  Look look = lookAt(scan, memory_[k].noise_scale);
+  Look look = lookAt(scan, scans_[k].use);
   if (params_.guard.enabled) {
     state_.guard.watch(scan, look.predictions, look.pairing, look.corroboration);
     if (const auto change = state_.guard.judge(scan.time, scan.sensor)) {
       note(*change);
       const bool is_harmful = change->change.verdict != SensorVerdict::healthy && !change->undecided;
-      if (is_harmful) return followAgain(k, *change);
+      if (is_harmful) return processAgain(*change);
     }
   }
-  return settle(scan, memory_[k].noise_scale, look);
+  return settle(scan, scans_[k].use, look);
 }
 
-/// After an alarm at entry k: back to when the change began, and on from there with what is known now of the
-/// sensor. The others are watched anew, against tracks that it no longer harms; they are judged when their
-/// next scan comes.
-std::vector<Association> LocalTracker::followAgain(std::size_t k, const SensorChange& change) {
+/// After an alarm by the next scan: rolls back to when the change began, and processes the scans from there
+/// to this one with what is known now of the sensor. The others are watched anew, against tracks that it no
+/// longer harms; they are judged when their next scan comes.
+std::vector<Association> LocalTracker::processAgain(const SensorChange& change) {
   const SensorGuard seen = state_.guard;
   std::vector<SensorChange> changes = state_.changes;
-  const Time earliest = memory_[k].scan.time - durationOf(params_.guard.roll_back);
-  const std::size_t from = memory_.rollBack(k, change.sensor, std::max(change.change.began, earliest),
-                                            seen.noiseScale(change.sensor));
-  const Time since = memory_[from].scan.time;
-  state_ = State(*memory_[from].before);
+  const std::size_t alarm = scans_.next();
+  const Time earliest = scans_[alarm].item.time - durationOf(params_.guard.roll_back);
+  const std::size_t first = scans_.firstNotBefore(std::max(change.change.began, earliest));
+  const std::size_t from = scans_.rollBack(first, state_);
+  for (std::size_t k = first; k <= alarm; ++k) {
+    if (scans_[k].item.sensor == change.sensor) scans_.use(k, seen.noiseScale(change.sensor));
+  }
+  const Time since = scans_[from].item.time;
   state_.guard.adopt(seen, since);
   std::vector<Association> decisions;
-  for (std::size_t i = from; i <= k; ++i) {
-    memory_.keepAgain(i, state_);
-    const Scan scan = calibrated(memory_[i].scan);
+  for (std::size_t k = from; k <= alarm; ++k) {
+    scans_.keepIfDue(state_);
+    const Scan scan = calibrated(scans_[k].item);
     state_.time = scan.time;
     deleteTracks(scan.time);
-    Look look = lookAt(scan, memory_[i].noise_scale);
+    Look look = lookAt(scan, scans_[k].use);
     if (!seen.changedSince(scan.sensor, since))
       state_.guard.watch(scan, look.predictions, look.pairing, look.corroboration);
-    decisions = settle(scan, memory_[i].noise_scale, look);
+    decisions = settle(scan, scans_[k].use, look);
+    if (k < alarm) scans_.advance();
   }
   state_.changes = std::move(changes);
   return decisions;

@@ -309,43 +309,5 @@ TEST(SensorGuard, RefusesParametersThatCannotWork) {
   EXPECT_THROW(SensorGuard{params}, std::invalid_argument);
 }
 
-TEST(ScanMemory, ForgetsWhatNobodyWillGoBackTo) {
-  ScanMemory<int> memory(0.5, 1.5);
-  Scan scan;
-  scan.sensor = "camera";
-  for (int k = 0; k < 10000; ++k) {
-    scan.time = at(0.01 * k);
-    const std::size_t place = memory.insert(scan);
-    memory.keepIfDue(place, k);
-    if (k % 50 == 49) {
-      const std::size_t from = memory.rollBack(place, "camera", at(0.01 * k - 1.5), 4.0);
-      EXPECT_LE(memory[from].scan.time, at(0.01 * k - (k > 200 ? 1.5 : 0.0)));
-      for (std::size_t i = from; i <= place; ++i) memory.keepAgain(i, k);
-    }
-    memory.forget(scan.time);
-    ASSERT_LE(memory.size(), 250u);
-  }
-}
-
-TEST(ScanMemory, AScanThatComesLateUndoesWhatWasGoneBackForAfterIt) {
-  ScanMemory<int> memory(0.5, 1.5);
-  Scan scan;
-  scan.sensor = "camera";
-  for (int k = 0; k < 100; ++k) {
-    scan.time = at(0.01 * k);
-    memory.keepIfDue(memory.insert(scan), k);
-  }
-  const std::size_t from = memory.rollBack(90, "camera", at(0.5), 9.0);
-  for (std::size_t i = from; i <= 90; ++i) memory.keepAgain(i, -1);
-  EXPECT_EQ(memory[60].noise_scale, 9.0);
-  scan.time = at(0.8051);
-  int state = 0;
-  const std::size_t place = memory.insert(scan);
-  const std::size_t start = memory.goBack(place, state);
-  EXPECT_LE(start, place);
-  EXPECT_EQ(state, static_cast<int>(start));  // the state from before the going back, not -1
-  EXPECT_EQ(memory[60].noise_scale, 1.0);
-}
-
 }  // namespace
 }  // namespace sightline::core

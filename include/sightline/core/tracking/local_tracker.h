@@ -10,7 +10,8 @@
 #include "sightline/core/estimators/estimators.h"
 #include "sightline/core/model/sighting.h"
 #include "sightline/core/model/track.h"
-#include "sightline/core/ordering/scan_memory.h"
+#include "sightline/core/ordering/scan_order.h"
+#include "sightline/core/ordering/timeline.h"
 #include "sightline/core/sensors/detection_calibration.h"
 #include "sightline/core/sensors/noise_calibration.h"
 #include "sightline/core/sensors/sensor_guard.h"
@@ -100,8 +101,8 @@ class LocalTracker {
   std::string refusalOf(const Scan& scan) const;
 
   void putInPlace(const Scan& scan, ScanReport& result);
-  std::vector<Association> follow(std::size_t k);
-  std::vector<Association> followAgain(std::size_t k, const SensorChange& change);
+  std::vector<Association> processNext();
+  std::vector<Association> processAgain(const SensorChange& change);
   void note(const SensorChange& change);
   std::vector<SensorChange> newChanges();
 
@@ -122,8 +123,8 @@ class LocalTracker {
 
   LocalTrackerParams params_;
   State state_;
-  ScanMemory<State> memory_;
-  std::vector<SensorChange> told_;  // the last changes that were reported
+  Timeline<Scan, double, State> scans_;  // each with the noise scale with which it was used last
+  std::vector<SensorChange> told_;       // the last changes that were reported
 };
 
 }  // namespace sightline::core

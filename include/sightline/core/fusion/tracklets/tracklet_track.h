@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -13,6 +12,8 @@
 #include "sightline/core/model/sphere.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/tracklet.h"
+#include "sightline/core/ordering/scan_order.h"
+#include "sightline/core/ordering/timeline.h"
 #include "sightline/core/sensors/sensor_guard.h"
 
 namespace sightline::core {
@@ -60,22 +61,21 @@ class TrackletTrack {
   std::vector<SensorChange> newChanges();
 
  private:
-  struct Entry {
+  /// What a source reported. How it is used is the estimator's knowledge.
+  struct Report {
     LocalKey source;
     std::uint64_t number;
     Tracklet tracklet;
-    std::unique_ptr<GuardedEstimator> before;  // kept now and then
-  };
 
-  void goBackTo(std::size_t entry);
-  bool isSnapshotDue() const;
+    friend Time timeOf(const Report& report) { return report.tracklet.time; }
+    friend bool precedes(const Report& a, const Report& b) { return precedes(a.tracklet, b.tracklet); }
+  };
+  struct NoUse {};
+
   void forgetOld();
 
-  double max_lag_;                  // [s]
-  std::vector<Entry> entries_;      // in order of time; the first open one has its snapshot, if it was taken
-  std::size_t open_ = 0;            // from this entry on others can be put between
-  std::size_t taken_ = 0;           // that many of the entries are in ...
-  GuardedEstimator estimator_;      // ... this
+  Timeline<Report, NoUse, GuardedEstimator> reports_;
+  GuardedEstimator estimator_;      // has taken the reports before the timeline's next
   std::optional<Time> closed_;      // before this nothing can be put any more
   std::vector<SensorChange> told_;  // changes
 };
