@@ -14,9 +14,11 @@
 #include "sightline/core/ordering/timeline.h"
 #include "sightline/core/sensors/detection_calibration.h"
 #include "sightline/core/sensors/noise_calibration.h"
+#include "sightline/core/sensors/sensor_changes.h"
 #include "sightline/core/sensors/sensor_guard.h"
 #include "sightline/core/tracking/duplicate_tracks.h"
 #include "sightline/core/tracking/live_track.h"
+#include "sightline/core/tracking/track_lifecycle.h"
 
 namespace sightline::core {
 
@@ -91,40 +93,43 @@ class LocalTracker {
   };
 
   /// A scan beside what the tracks expected of it.
-  struct Look {
+  struct AssociatedScan {
+    Scan scan;  // with its sensor's noise as it has been learnt
+    Scan used;  // with the noise of the sensor's verdict as well
+    bool is_excluded = false;
     std::vector<TrackPrediction> predictions;
-    AssociationResult pairing;
+    AssociationResult result;
     std::vector<Corroboration> corroboration;  // for each prediction; empty while the guard is off
   };
 
   State firstState(Time time, std::uint32_t next_id) const;
   std::string refusalOf(const Scan& scan) const;
 
-  void putInPlace(const Scan& scan, ScanReport& result);
+  std::vector<Association> putInPlace(const Scan& scan, ScanReport& result);
   std::vector<Association> processNext();
   std::vector<Association> processAgain(const SensorChange& change);
-  void note(const SensorChange& change);
-  std::vector<SensorChange> newChanges();
 
-  Look lookAt(const Scan& scan, double noise_scale);
-  std::vector<Association> settle(const Scan& scan, double noise_scale, Look& look);
-  void leaveOut(const Scan& scan, Look& look) const;
+  AssociatedScan predictAndAssociate(std::size_t k);
+  std::vector<TrackPrediction> predict(const Scan& scan);
   Scan calibrated(const Scan& scan) const;
+  void watch(const AssociatedScan& associated);
+
+  std::vector<Association> updateTracks(AssociatedScan& associated);
+  void leaveOut(AssociatedScan& associated) const;
+  std::vector<std::uint32_t> updateOrMiss(const AssociatedScan& associated);
   void calibrate(const Scan& scan, const Sighting& sighting, const LiveTrack& track,
                  const TrackPrediction& prediction);
-  std::vector<TrackPrediction> predict(const Scan& scan);
-  std::vector<std::uint32_t> update(const Scan& scan, const Look& look, bool is_excluded);
-  void learnDetection(const Scan& scan, const Look& look);
-  void mergeDuplicates(const Look& look);
-  void reacquire(const Scan& scan, std::uint32_t id, AssociationResult& pairing);
-  void start(const Scan& scan, AssociationResult& pairing);
-  void deleteTracks(Time time);
+  void learnDetection(const AssociatedScan& associated);
+  void reacquire(std::uint32_t id, AssociatedScan& associated);
+  void startTracks(AssociatedScan& associated);
+  void deleteDuplicates(const AssociatedScan& associated);
+  void deleteTracks();
   std::vector<Track> report() const;
 
   LocalTrackerParams params_;
   State state_;
   Timeline<Scan, double, State> scans_;  // each with the noise scale with which it was used last
-  std::vector<SensorChange> told_;       // the last changes that were reported
+  SensorChangeReporter reporter_;
 };
 
 }  // namespace sightline::core

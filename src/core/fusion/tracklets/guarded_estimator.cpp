@@ -7,11 +7,10 @@
 namespace sightline::core {
 namespace {
 
-constexpr int kStatesPerRollBack = 8;     // that are kept for rolling back
-constexpr std::size_t kLeastTaken = 4;    // tracklets that make an estimate a yardstick
-constexpr std::size_t kMostChanges = 64;  // that are remembered
-constexpr std::size_t kMostSeen = 64;     // sensors
-constexpr double kSeenMemory = 0.3;       // share of the newest innovation of a sensor in the running mean
+constexpr int kStatesPerRollBack = 8;   // that are kept for rolling back
+constexpr std::size_t kLeastTaken = 4;  // tracklets that make an estimate a yardstick
+constexpr std::size_t kMostSeen = 64;   // sensors
+constexpr double kSeenMemory = 0.3;     // share of the newest innovation of a sensor in the running mean
 
 Eigen::Vector2d innovationOf(const ChartedState& prediction, const Tracklet& tracklet) {
   return angleDifference(prediction.chart.coordinatesOf(tracklet.sighting.direction),
@@ -82,7 +81,7 @@ void GuardedEstimator::take(const Tracklet& next, const Past& past) {
     if (is_harmful && was_used && !isToBlame(*change, past)) {
       state_.guard.clearVerdict(next.time, next.sensor);
     } else {
-      note(*change);
+      remember(changes_, *change);
       if (is_harmful) rollBack(*change, past);
     }
   }
@@ -132,11 +131,6 @@ void GuardedEstimator::watch(const Tracklet& tracklet) {
   pairing.sighting_of = pairing.prediction_of = {0};
   pairing.may_start = {false};
   state_.guard.watch(scan, {prediction}, pairing, {corroborationOf(tracklet)});
-}
-
-void GuardedEstimator::note(const SensorChange& change) {
-  changes_.push_back(change);
-  if (changes_.size() > kMostChanges) changes_.erase(changes_.begin());
 }
 
 Time GuardedEstimator::rollBackTo(const SensorChange& change) const {

@@ -8,7 +8,6 @@ namespace {
 
 constexpr int kStatesPerLag = 8;  // that are kept for rolling back
 constexpr std::size_t kMostReports = 8192;
-constexpr std::ptrdiff_t kMostTold = 128;  // changes; more than are remembered
 
 TimelineParams timelineParams(double max_lag) {
   TimelineParams params;
@@ -85,21 +84,6 @@ std::map<LocalKey, double> TrackletTrack::informationBySource() const {
   std::map<LocalKey, double> information;
   for (const auto& [source, sum] : sums) information[*source] = sum;
   return information;
-}
-
-std::vector<SensorChange> TrackletTrack::newChanges() {
-  std::vector<SensorChange> fresh;
-  for (const SensorChange& change : estimator_.changes()) {
-    const bool is_told = std::any_of(told_.begin(), told_.end(), [&](const SensorChange& told) {
-      return told.sensor == change.sensor && told.change.time == change.change.time &&
-             told.change.verdict == change.change.verdict;
-    });
-    if (!is_told) fresh.push_back(change);
-  }
-  told_.insert(told_.end(), fresh.begin(), fresh.end());
-  if (static_cast<std::ptrdiff_t>(told_.size()) > kMostTold)
-    told_.erase(told_.begin(), told_.end() - kMostTold);
-  return fresh;
 }
 
 }  // namespace sightline::core

@@ -13,6 +13,7 @@
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/tracklet.h"
 #include "sightline/core/ordering/timeline.h"
+#include "sightline/core/sensors/sensor_changes.h"
 #include "sightline/core/sensors/sensor_guard.h"
 
 namespace sightline::core {
@@ -90,7 +91,6 @@ class GuardedEstimator {
 
   void keepState();
   void watch(const Tracklet& tracklet);
-  void note(const SensorChange& change);
   Time rollBackTo(const SensorChange& change) const;
   bool isToBlame(const SensorChange& change, const Past& past) const;
   double evidenceAgainst(const std::string& sensor, Time began, const Past& past) const;

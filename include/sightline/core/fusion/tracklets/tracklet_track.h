@@ -14,6 +14,7 @@
 #include "sightline/core/model/tracklet.h"
 #include "sightline/core/ordering/scan_order.h"
 #include "sightline/core/ordering/timeline.h"
+#include "sightline/core/sensors/sensor_changes.h"
 #include "sightline/core/sensors/sensor_guard.h"
 
 namespace sightline::core {
@@ -57,8 +58,8 @@ class TrackletTrack {
   /// Whether enough sensors are in use to tell which of them is to blame for a disagreement.
   bool canTellWhoIsWrong() const { return estimator_.decides(); }
 
-  /// Changes of verdicts that have not been told yet.
-  std::vector<SensorChange> newChanges();
+  /// Changes of verdicts that have not been reported yet.
+  std::vector<SensorChange> newChanges() { return reporter_.unreported(estimator_.changes()); }
 
  private:
   /// What a source reported. How it is used is the estimator's knowledge.
@@ -75,9 +76,9 @@ class TrackletTrack {
   void forgetOld();
 
   Timeline<Report, NoUse, GuardedEstimator> reports_;
-  GuardedEstimator estimator_;      // has taken the reports before the timeline's next
-  std::optional<Time> closed_;      // before this nothing can be put any more
-  std::vector<SensorChange> told_;  // changes
+  GuardedEstimator estimator_;  // has taken the reports before the timeline's next
+  std::optional<Time> closed_;  // before this nothing can be put any more
+  SensorChangeReporter reporter_;
 };
 
 }  // namespace sightline::core
