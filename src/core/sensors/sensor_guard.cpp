@@ -110,14 +110,14 @@ SensorGuard::Watch* SensorGuard::findOrStart(const std::string& sensor, Time tim
   return &*watches_.emplace(watches_.begin() + static_cast<std::ptrdiff_t>(place), sensor, params_, time);
 }
 
-double SensorGuard::noiseScale(const std::string& sensor) const {
+SensorUse SensorGuard::useOf(const std::string& sensor) const {
   const Watch* watch = find(sensor);
-  return watch == nullptr || watch->undecided ? 1.0 : watch->health.noiseScale();
+  return watch == nullptr || watch->undecided ? SensorUse{} : watch->health.use();
 }
 
 bool SensorGuard::holdsAnything() const {
   return std::any_of(watches_.begin(), watches_.end(),
-                     [](const Watch& watch) { return !watch.undecided && watch.health.noiseScale() != 1.0; });
+                     [](const Watch& watch) { return !watch.undecided && !watch.health.use().isAsStated(); });
 }
 
 double SensorGuard::clockVariance(const std::string& sensor) const {
@@ -247,8 +247,9 @@ void SensorGuard::adopt(const SensorGuard& later, Time since) {
 std::vector<WatchedSensor> SensorGuard::sensors() const {
   std::vector<WatchedSensor> sensors;
   for (const Watch& watch : watches_) {
-    sensors.push_back({watch.sensor, watch.health.verdict(), watch.undecided, noiseScale(watch.sensor),
-                       watch.wrong_clock, watch.clock_undecided, watch.health.lastChange()});
+    const SensorUse use = useOf(watch.sensor);
+    sensors.push_back({watch.sensor, watch.health.verdict(), watch.undecided, use.noise_scale,
+                       use.is_excluded, watch.wrong_clock, watch.clock_undecided, watch.health.lastChange()});
   }
   return sensors;
 }

@@ -108,7 +108,8 @@ std::vector<Association> LocalTracker::putInPlace(const Scan& scan, ScanReport& 
     std::vector<Association> made = processNext();
     if (k != index) continue;
     decisions = std::move(made);
-    result.noise_scale = calibration * scans_[k].use;
+    result.use = scans_[k].use;
+    result.use.noise_scale *= calibration;
   }
   scans_.close(state_.time);
   scans_.dropClosed();
@@ -120,7 +121,7 @@ std::vector<Association> LocalTracker::putInPlace(const Scan& scan, ScanReport& 
 std::vector<Association> LocalTracker::processNext() {
   const std::size_t k = scans_.next();
   const std::string& sensor = scans_[k].item.sensor;
-  scans_.use(k, state_.guard.noiseScale(sensor));
+  scans_.use(k, state_.guard.useOf(sensor));
   AssociatedScan associated = predictAndAssociate(k);
   if (params_.guard.enabled) {
     watch(associated);
@@ -144,7 +145,7 @@ std::vector<Association> LocalTracker::processAgain(const SensorChange& change) 
   const std::size_t first = scans_.firstNotBefore(std::max(change.change.began, earliest));
   const std::size_t from = scans_.rollBack(first, state_);
   for (std::size_t k = first; k <= alarm; ++k) {
-    if (scans_[k].item.sensor == change.sensor) scans_.use(k, known.noiseScale(change.sensor));
+    if (scans_[k].item.sensor == change.sensor) scans_.use(k, known.useOf(change.sensor));
   }
   const Time since = scans_[from].item.time;
   state_.guard.adopt(known, since);
@@ -165,8 +166,8 @@ std::vector<Association> LocalTracker::processAgain(const SensorChange& change) 
 LocalTracker::AssociatedScan LocalTracker::predictAndAssociate(std::size_t k) {
   AssociatedScan associated;
   Scan& scan = associated.scan = calibrated(scans_[k].item);
-  associated.is_excluded = std::isinf(scans_[k].use);
-  associated.used = withNoise(scan, associated.is_excluded ? 1.0 : scans_[k].use);
+  associated.is_excluded = scans_[k].use.is_excluded;
+  associated.used = withNoise(scan, scans_[k].use.noise_scale);
   state_.time = scan.time;
   deleteTracks();
   associated.predictions = predict(scan);
@@ -263,7 +264,7 @@ std::vector<std::uint32_t> LocalTracker::updateOrMiss(const AssociatedScan& asso
 /// What a mature track's sighting tells of its sensor's noise, unless the sensor's verdict has changed it.
 void LocalTracker::calibrate(const Scan& scan, const Sighting& sighting, const LiveTrack& track,
                              const TrackPrediction& prediction) {
-  if (!track.lifecycle().isMature() || state_.guard.noiseScale(scan.sensor) != 1.0) return;
+  if (!track.lifecycle().isMature() || !state_.guard.useOf(scan.sensor).isAsStated()) return;
   const Eigen::Vector2d innovation =
       angleDifference(prediction.chart.coordinatesOf(sighting.direction), prediction.state.angles());
   const Eigen::Matrix2d S = prediction.state.anglesCovariance() + prediction.noiseOf(sighting);

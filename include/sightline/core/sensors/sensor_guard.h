@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -32,7 +31,8 @@ struct WatchedSensor {
   SensorVerdict verdict = SensorVerdict::healthy;
   bool undecided =
       false;  ///< only one other sensor sees its targets: either may be to blame, nothing is done
-  double noise_scale = 1.0;          ///< factor on the stated variances; infinity = not used
+  double noise_scale = 1.0;          ///< factor on the stated variances of sightings that are used
+  bool is_excluded = false;          ///< its sightings are not used
   std::optional<ClockOffset> clock;  ///< by how much its clock is behind the others', where that is certain
   bool clock_undecided = false;      ///< of two clocks that differ, either may be wrong
   std::optional<HealthChange> last;  ///< the last change of the verdict
@@ -63,14 +63,13 @@ class SensorGuard {
   /// Throws std::invalid_argument for parameters out of range.
   explicit SensorGuard(const GuardParams& params);
 
-  /// Factor on the stated variances of a sensor's sightings: 1 while it is healthy, infinity while they are
-  /// not to be used.
-  double noiseScale(const std::string& sensor) const;
+  /// How the sightings of a sensor are to be used: as stated while it is healthy.
+  SensorUse useOf(const std::string& sensor) const;
 
-  /// Whether the factor is other than 1 for any sensor.
+  /// Whether any sensor is not used as it states.
   bool holdsAnything() const;
 
-  bool isExcluded(const std::string& sensor) const { return std::isinf(noiseScale(sensor)); }
+  bool isExcluded(const std::string& sensor) const { return useOf(sensor).is_excluded; }
 
   /// Mean square by which the sensor's stamps are off [s^2]; zero while its clock is not known to be wrong,
   /// and while it may as well be the only other one's.

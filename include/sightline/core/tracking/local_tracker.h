@@ -41,7 +41,7 @@ struct ScanReport {
   Time time{};                            ///< of `tracks`: the newest scan's
   std::vector<Track> tracks;              ///< ascending id, in the tracking frame, valid at `time`
   std::vector<Association> associations;  ///< one for each sighting of this scan, in its order
-  double noise_scale = 1.0;               ///< factor on the variances with which the sightings were used
+  SensorUse use;                          ///< of the sightings, with what has been learnt of their noise
   std::vector<SensorChange> changes;      ///< of sensors' verdicts, that had not been said before
   std::string dropped;                    ///< why the scan was not used (late, duplicate); empty if it was
 };
@@ -128,7 +128,7 @@ class LocalTracker {
 
   LocalTrackerParams params_;
   State state_;
-  Timeline<Scan, double, State> scans_;  // each with the noise scale with which it was used last
+  Timeline<Scan, SensorUse, State> scans_;
   SensorChangeReporter reporter_;
 };
 

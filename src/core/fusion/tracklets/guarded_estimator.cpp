@@ -71,11 +71,11 @@ GuardedEstimator::GuardedEstimator(const EstimatorParams& estimator, const Guard
       taken_(timelineParams(guard, keep)) {}
 
 void GuardedEstimator::take(const Tracklet& next, const Past& past) {
-  if (!settings_->guard.enabled) return update(next, 1.0);
+  if (!settings_->guard.enabled) return update(next, {});
   taken_.insert({next.time});
   keepState();
   watch(next);
-  const bool was_used = state_.guard.noiseScale(next.sensor) == 1.0;
+  const bool was_used = state_.guard.useOf(next.sensor).isAsStated();
   if (const auto change = state_.guard.judge(next.time, next.sensor)) {
     const bool is_harmful = change->change.verdict != SensorVerdict::healthy && !change->undecided;
     if (is_harmful && was_used && !isToBlame(*change, past)) {
@@ -85,7 +85,7 @@ void GuardedEstimator::take(const Tracklet& next, const Past& past) {
       if (is_harmful) rollBack(*change, past);
     }
   }
-  update(next, state_.guard.noiseScale(next.sensor));
+  update(next, state_.guard.useOf(next.sensor));
   taken_.advance();
 }
 
@@ -141,7 +141,7 @@ bool GuardedEstimator::isToBlame(const SensorChange& change, const Past& past) c
   const Time began = rollBackTo(change);
   const double own = evidenceAgainst(change.sensor, began, past);
   return std::none_of(state_.seen.begin(), state_.seen.end(), [&](const Seen& other) {
-    const bool is_suspect = other.sensor != change.sensor && state_.guard.noiseScale(other.sensor) == 1.0;
+    const bool is_suspect = other.sensor != change.sensor && state_.guard.useOf(other.sensor).isAsStated();
     return is_suspect && other.last >= began && evidenceAgainst(other.sensor, began, past) > own;
   });
 }
@@ -156,10 +156,10 @@ double GuardedEstimator::evidenceAgainst(const std::string& sensor, Time began, 
   for (std::size_t k = from; k < taken_.next(); ++k) {
     const Tracklet& tracklet = past(taken_.next() - k);
     const bool is_own = tracklet.sensor == sensor && tracklet.time >= began;
-    const double scale = taken_[k].use;
-    if (!std::isfinite(scale)) continue;
+    const SensorUse& use = taken_[k].use;
+    if (use.is_excluded) continue;
     Tracklet scaled = tracklet;
-    scaled.sighting.covariance *= scale;
+    scaled.sighting.covariance *= use.noise_scale;
     if (!estimator) {
       if (!is_own) estimator.emplace(makeEstimator(settings_->estimator), scaled);
       continue;
@@ -189,19 +189,19 @@ void GuardedEstimator::rollBack(const SensorChange& change, const Past& past) {
     taken_.keepIfDue(state_);
     if (!known.changedSince(tracklet.sensor, since)) watch(tracklet);
     const bool is_harmful = tracklet.sensor == change.sensor && tracklet.time >= began;
-    update(tracklet, is_harmful ? known.noiseScale(change.sensor) : taken_[k].use);
+    update(tracklet, is_harmful ? known.useOf(change.sensor) : taken_[k].use);
   }
   taken_.keepIfDue(state_);
 }
 
-/// Uses the tracklet with that factor on its covariance. A target that nobody else sees is followed with an
-/// excluded sensor all the same.
-void GuardedEstimator::update(const Tracklet& tracklet, double noise_scale) {
+/// Updates with the tracklet as it is to be used. A target that nobody else sees is followed with an excluded
+/// sensor all the same.
+void GuardedEstimator::update(const Tracklet& tracklet, const SensorUse& use) {
   if (settings_->guard.enabled) see(tracklet);
-  const bool is_excluded = std::isinf(noise_scale) && corroborationOf(tracklet).others > 0;
+  const bool is_excluded = use.is_excluded && corroborationOf(tracklet).others > 0;
   if (!is_excluded) {
     Tracklet scaled = tracklet;
-    if (std::isfinite(noise_scale) && noise_scale != 1.0) scaled.sighting.covariance *= noise_scale;
+    scaled.sighting.covariance *= use.noise_scale;
     if (state_.estimator) {
       const bool has_moved = state_.estimator->update(scaled, state_.guard.clockVariance(tracklet.sensor));
       for (Seen& seen : state_.seen) {
@@ -213,7 +213,7 @@ void GuardedEstimator::update(const Tracklet& tracklet, double noise_scale) {
   }
   ++state_.taken;
   state_.last = tracklet.time;
-  if (settings_->guard.enabled) taken_.use(taken_.next(), noise_scale);
+  if (settings_->guard.enabled) taken_.use(taken_.next(), use);
 }
 
 /// Notes that the sensor has seen the target, and by how much it was not expected there.
@@ -235,8 +235,8 @@ std::optional<AngularState> GuardedEstimator::stateAt(Time time) const {
   return state_.estimator->stateAt(time);
 }
 
-double GuardedEstimator::noiseScale(std::size_t back) const {
-  return back <= taken_.next() ? taken_[taken_.next() - back].use : 1.0;
+SensorUse GuardedEstimator::useOf(std::size_t back) const {
+  return back <= taken_.next() ? taken_[taken_.next() - back].use : SensorUse{};
 }
 
 std::vector<WatchedSensor> GuardedEstimator::sensors() const {

@@ -1,7 +1,6 @@
 #include "sightline/core/fusion/tracklets/tracklet_fusion.h"
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 namespace sightline::core {
@@ -82,7 +81,7 @@ std::string TrackletFusion::whyExcluded(const LocalKey& supporter) const {
   if (!track_.holdsAnything()) return {};
   const std::vector<WatchedSensor> sensors = sensorsOf(supporter);
   const auto is_off = [](const WatchedSensor& watched) {
-    return std::isinf(watched.noise_scale) && watched.last && watched.last->bias.matrix().norm() <= kMostBias;
+    return watched.is_excluded && watched.last && watched.last->bias.matrix().norm() <= kMostBias;
   };
   if (sensors.empty() || !std::all_of(sensors.begin(), sensors.end(), is_off)) return {};
   std::ostringstream why;
@@ -98,7 +97,7 @@ double TrackletFusion::noiseScale(const LocalKey& supporter) const {
   if (!track_.holdsAnything()) return 1.0;
   double largest = 1.0;
   for (const WatchedSensor& watched : sensorsOf(supporter)) {
-    if (std::isfinite(watched.noise_scale)) largest = std::max(largest, watched.noise_scale);
+    if (!watched.is_excluded) largest = std::max(largest, watched.noise_scale);
   }
   return largest;
 }

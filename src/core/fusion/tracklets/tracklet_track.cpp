@@ -75,11 +75,12 @@ std::map<LocalKey, double> TrackletTrack::informationBySource() const {
   const std::size_t taken = reports_.next();
   for (std::size_t i = reports_.open(); i < reports_.size(); ++i) {
     const Report& report = reports_[i].item;
-    const double noise_scale = i < taken ? estimator_.noiseScale(taken - i) : 1.0;
+    const SensorUse use = i < taken ? estimator_.useOf(taken - i) : SensorUse{};
     const auto isIt = [&](const auto& sum) { return *sum.first == report.source; };
     auto sum = std::find_if(sums.begin(), sums.end(), isIt);
     if (sum == sums.end()) sum = sums.insert(sum, {&report.source, 0.0});
-    sum->second += 1.0 / (noise_scale * report.tracklet.sighting.covariance.trace());
+    if (use.is_excluded) continue;
+    sum->second += 1.0 / (use.noise_scale * report.tracklet.sighting.covariance.trace());
   }
   std::map<LocalKey, double> information;
   for (const auto& [source, sum] : sums) information[*source] = sum;

@@ -44,9 +44,8 @@ class GuardedEstimator {
   /// Motion expected at `time`, in the tracking frame's angles; nullopt before the first tracklet.
   std::optional<AngularState> stateAt(Time time) const;
 
-  /// Factor on the stated covariance with which the tracklet taken so many takes ago counts; infinity = it
-  /// does not.
-  double noiseScale(std::size_t back) const;
+  /// How the tracklet taken so many takes ago was used.
+  SensorUse useOf(std::size_t back) const;
 
   /// How many of the tracklets taken may be needed again.
   std::size_t reach() const { return taken_.next(); }
@@ -54,7 +53,7 @@ class GuardedEstimator {
   /// The sensors seen lately that were held against others.
   std::vector<WatchedSensor> sensors() const;
 
-  /// Whether anything is held against any sensor: a noise scale other than 1.
+  /// Whether any sensor is not used as it states.
   bool holdsAnything() const { return state_.guard.holdsAnything(); }
 
   /// Whether enough sensors are in use to tell which of them is to blame.
@@ -96,13 +95,13 @@ class GuardedEstimator {
   double evidenceAgainst(const std::string& sensor, Time began, const Past& past) const;
   void rollBack(const SensorChange& change, const Past& past);
   void see(const Tracklet& tracklet);
-  void update(const Tracklet& tracklet, double noise_scale);
+  void update(const Tracklet& tracklet, const SensorUse& use);
   Corroboration corroborationOf(const Tracklet& tracklet) const;
 
   std::shared_ptr<const Settings> settings_;
   State state_;
   std::vector<SensorChange> changes_;
-  Timeline<Instant, double, State> taken_;  // each with its noise scale; empty while the guard is off
+  Timeline<Instant, SensorUse, State> taken_;  // empty while the guard is off
 };
 
 }  // namespace sightline::core
