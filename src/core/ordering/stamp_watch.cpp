@@ -23,6 +23,10 @@ std::string secondsText(double seconds) {
   return text.str();
 }
 
+Refusal refusalAhead(const std::string& detail) {
+  return {"ahead", detail};
+}
+
 }  // namespace
 
 StampWatch::StampWatch(const StampWatchParams& params) : params_(params) {
@@ -64,7 +68,7 @@ StampJudgement StampWatch::take(std::uint64_t scan, const std::string& sensor, T
 
 StampJudgement StampWatch::finish() {
   StampJudgement result;
-  for (const Held& held : held_) result.verdicts.push_back({held.scan, ""});
+  for (const Held& held : held_) result.verdicts.push_back({held.scan, std::nullopt});
   held_.clear();
   return result;
 }
@@ -123,7 +127,7 @@ void StampWatch::takeOnLine(std::uint64_t scan, const std::string& name, Time st
   settleHeld(name, stamp, result);
   comeBack(name, sensors_[name], result);
   front_ = std::max(*front_, stamp);
-  result.verdicts.push_back({scan, ""});
+  result.verdicts.push_back({scan, std::nullopt});
 }
 
 /// A scan on the line decides about those that are held: it has caught up with them, or shows that time goes
@@ -133,14 +137,15 @@ void StampWatch::settleHeld(const std::string& name, Time stamp, StampJudgement&
     Sensor& sensor = sensors_[held.sensor];
     const double ahead = seconds(held.stamp - stamp);
     if (ahead <= params_.max_lag) {
-      result.verdicts.push_back({held.scan, ""});
+      result.verdicts.push_back({held.scan, std::nullopt});
       comeBack(held.sensor, sensor, result);
       front_ = std::max(*front_, held.stamp);
       continue;
     }
     result.verdicts.push_back(
-        {held.scan, "ahead: its stamp is " + secondsText(ahead) +
-                        " ahead of the others', which go on: synchronise the clock of " + held.sensor});
+        {held.scan,
+         refusalAhead("its stamp is " + secondsText(ahead) +
+                      " ahead of the others', which go on: synchronise the clock of " + held.sensor)});
     sensor.offset = ahead;
     if (held.sensor != name) sayOff(held.sensor, sensor, Place::ahead, result);
   }
@@ -155,7 +160,8 @@ void StampWatch::takeAhead(std::uint64_t scan, const std::string& name, Time sta
     held_.push_back({scan, name, stamp});
     if (isMajority(Place::held, stamp, 0)) return goAhead(stamp, result);
     if (held_.size() <= params_.max_held) return;
-    result.verdicts.push_back({held_.front().scan, "ahead: too many scans are ahead of the other sensors'"});
+    result.verdicts.push_back(
+        {held_.front().scan, refusalAhead("too many scans are ahead of the other sensors'")});
     held_.erase(held_.begin());
     return;
   }
@@ -164,8 +170,8 @@ void StampWatch::takeAhead(std::uint64_t scan, const std::string& name, Time sta
     return goAhead(stamp, result);
   }
   result.verdicts.push_back(
-      {scan, "ahead: its stamp is " + secondsText(sensor.offset) +
-                 " ahead of the other sensors', which go on: synchronise the clock of " + name});
+      {scan, refusalAhead("its stamp is " + secondsText(sensor.offset) +
+                          " ahead of the other sensors', which go on: synchronise the clock of " + name)});
 }
 
 /// Most are there: the line goes on from where they are.
@@ -179,7 +185,7 @@ void StampWatch::goAhead(Time stamp, StampJudgement& result) {
       others.push_back(held);
       continue;
     }
-    result.verdicts.push_back({held.scan, ""});
+    result.verdicts.push_back({held.scan, std::nullopt});
     front_ = std::max(*front_, held.stamp);
   }
   held_ = std::move(others);
@@ -193,7 +199,7 @@ void StampWatch::takeBehind(std::uint64_t scan, const std::string& name, Time st
   } else if (sensor.behind >= params_.scans_back && *front_ > sensor.front_then) {
     sayOff(name, sensor, Place::back, result);
   }
-  result.verdicts.push_back({scan, ""});
+  result.verdicts.push_back({scan, std::nullopt});
 }
 
 void StampWatch::goBack(const std::string& name, Time stamp, StampJudgement& result) {
@@ -204,7 +210,7 @@ void StampWatch::goBack(const std::string& name, Time stamp, StampJudgement& res
                            ": a recording in a loop, simulated time that was reset, or a clock that was set; "
                            "tracks are given up, tracking goes on from there");
   for (const Held& held : held_)
-    result.verdicts.push_back({held.scan, "ahead: time went back while it was held"});
+    result.verdicts.push_back({held.scan, refusalAhead("time went back while it was held")});
   held_.clear();
   for (auto& [other, sensor] : sensors_) {
     if (agrees(sensor, Place::back, stamp)) {

@@ -60,11 +60,11 @@ LocalTracker::State LocalTracker::firstState(Time time, std::uint32_t next_id) c
 ScanReport LocalTracker::onScan(const Scan& scan) {
   UsableSightings usable = usableSightings(scan, static_cast<std::size_t>(params_.max_sightings));
   ScanReport result;
-  result.dropped = refusalOf(usable.scan);
-  if (result.dropped.empty()) {
-    usable.enter(putInPlace(usable.scan, result));
+  result.refusal = refusalOf(usable.scan);
+  if (result.refusal) {
+    usable.rejectAll(textOf(*result.refusal));
   } else {
-    usable.rejectAll(result.dropped);
+    usable.enter(putInPlace(usable.scan, result));
   }
   result.associations = std::move(usable.decisions);
   result.time = state_.time;
@@ -72,20 +72,20 @@ ScanReport LocalTracker::onScan(const Scan& scan) {
   return result;
 }
 
-std::string LocalTracker::refusalOf(const Scan& scan) const {
+std::optional<Refusal> LocalTracker::refusalOf(const Scan& scan) const {
   const double lateness = seconds(state_.time - scan.time);
   const bool anything_before = !scans_.empty();
   if (anything_before && lateness > params_.max_lag) {
-    std::ostringstream why;
-    why << "late: " << lateness << " s older than the newest scan, more than max_lag " << params_.max_lag
-        << " s";
-    return why.str();
+    std::ostringstream detail;
+    detail << lateness << " s older than the newest scan, more than max_lag " << params_.max_lag << " s";
+    return Refusal{"late", detail.str()};
   }
   if (anything_before && scan.time < scans_[0].before->time) {
-    return "late: more than " + std::to_string(kMostScans) + " scans have come after it";
+    return Refusal{"late", "more than " + std::to_string(kMostScans) + " scans have come after it"};
   }
-  if (scans_.holds(scan)) return "duplicate: this exposure of " + scan.sensor + " has been taken already";
-  return {};
+  if (scans_.holds(scan))
+    return Refusal{"duplicate", "this exposure of " + scan.sensor + " has been taken already"};
+  return std::nullopt;
 }
 
 void LocalTracker::startAnew(Time time) {

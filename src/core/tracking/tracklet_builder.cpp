@@ -20,7 +20,7 @@ TrackletBuilder::TrackletBuilder(const TrackletParams& params) : params_(params)
 }
 
 std::optional<TrackletReport> TrackletBuilder::onScan(const Scan& scan, const ScanReport& tracked) {
-  if (!tracked.dropped.empty()) return std::nullopt;
+  if (tracked.refusal) return std::nullopt;
   if (newest_ && tracked.time < *newest_) {  // the clock went back, and the tracker started again
     pending_.clear();
     waiting_ = 0;

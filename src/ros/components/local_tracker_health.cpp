@@ -32,7 +32,7 @@ std::string firstRejection(const sightline::AssociationArray& associations) {
 }
 
 std::string kindOfComplaint(const TrackerReport& report) {
-  if (!report.drop_reason.empty()) return "scans dropped, " + report.drop_reason;
+  if (report.refusal) return "scans dropped, " + report.refusal->kind;
   return report.rejected > 0 ? kRejectedSightings : "";
 }
 
@@ -62,10 +62,10 @@ void LocalTrackerHealth::examine(core::Time now) {
 }
 
 void LocalTrackerHealth::note(const TrackerReport& report) {
-  const bool was_used = report.drop_reason.empty();
+  const bool was_used = !report.refusal;
   if (!was_used) {
     ++drops_[kindOfComplaint(report)].count;
-    ++sensors_[report.scan->sensor].drops[report.drop_reason];
+    ++sensors_[report.scan->sensor].drops[report.refusal->kind];
   }
   if (report.went_back) {
     for (auto& named : sensors_) named.second.last_scan = named.second.last_sighting = core::Time{};
@@ -102,7 +102,8 @@ std::optional<std::string> LocalTrackerHealth::warningAbout(const TrackerReport&
   std::ostringstream warning;
   warning << kind << " (" << counted.count - counted.count_warned << " new, " << counted.count
           << " in all), the last of sensor \"" << report.scan->sensor << "\": "
-          << (report.drop_detail.empty() ? firstRejection(*report.associations) : report.drop_detail);
+          << (report.refusal && !report.refusal->detail.empty() ? report.refusal->detail
+                                                                : firstRejection(*report.associations));
   counted.last_warning = now;
   counted.count_warned = counted.count;
   return warning.str();

@@ -211,7 +211,7 @@ void Replay::admit(const StampGate::Result& admitted) {
   summary_.notices.insert(summary_.notices.end(), admitted.notices.begin(), admitted.notices.end());
   if (admitted.went_back) startAnew(toCore(admitted.passed.back().item->header.stamp));
   for (const StampGate::Passed& passed : admitted.passed) {
-    if (passed.dropped.empty())
+    if (!passed.refusal)
       enqueue(passed.item);
     else
       ++summary_.drops["recording: scan dropped, its stamp is ahead of the other sensors'"];
@@ -293,7 +293,7 @@ void Replay::write(const Tracker& tracker, const TrackerReport& report) {
   const std::string& name = tracker.component.name();
   out_.write(tracker.associations, bagTime(report.scan->header.stamp), report.associations);
   if (!report.tracks) {
-    ++summary_.drops[name + ": scan dropped, " + report.drop_reason];
+    ++summary_.drops[name + ": scan dropped, " + report.refusal->kind];
     return;
   }
   if (report.rejected > 0) summary_.drops[name + ": sightings rejected"] += report.rejected;

@@ -37,9 +37,8 @@ class Witness {
   }
 
   bool isUsed(const StampJudgement& judgement) const {
-    return std::any_of(judgement.verdicts.begin(), judgement.verdicts.end(), [&](const auto& verdict) {
-      return verdict.scan == next_ - 1 && verdict.dropped.empty();
-    });
+    return std::any_of(judgement.verdicts.begin(), judgement.verdicts.end(),
+                       [&](const auto& verdict) { return verdict.scan == next_ - 1 && !verdict.refusal; });
   }
 
   /// Whether a notice has these words.
@@ -65,7 +64,7 @@ class Witness {
   StampJudgement keep(StampJudgement judgement, const std::string& sensor) {
     notices.insert(notices.end(), judgement.notices.begin(), judgement.notices.end());
     for (const auto& verdict : judgement.verdicts) {
-      if (!verdict.dropped.empty()) dropped.push_back(sensor);
+      if (verdict.refusal) dropped.push_back(sensor);
     }
     went_back += judgement.went_back ? 1 : 0;
     return judgement;
@@ -122,7 +121,7 @@ TEST(StampWatch, UsesEveryScanThatArrivesWithinTheLagWhateverTheOrder) {
       EXPECT_FALSE(result.went_back);
       EXPECT_TRUE(result.notices.empty()) << result.notices.front();
       for (const auto& passed : result.passed) {
-        EXPECT_EQ(passed.dropped, "");
+        EXPECT_FALSE(passed.refusal);
         used.insert(passed.item);
       }
     };

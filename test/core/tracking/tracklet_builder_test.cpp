@@ -159,7 +159,7 @@ TEST(TrackletBuilder, SensorsOfOneTrackStayApart) {
 TEST(TrackletBuilder, DroppedScanIsNotReported) {
   TrackletBuilder builder({});
   ScanReport answer = tracked(scanOf(1.0));
-  answer.dropped = "late: too late";
+  answer.refusal = Refusal{"late", "too late"};
   EXPECT_FALSE(builder.onScan(scanOf(1.0), answer));
 }
 

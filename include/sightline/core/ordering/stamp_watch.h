@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 
 namespace sightline::core {
@@ -24,8 +25,8 @@ struct StampWatchParams {
 /// What is to be done after a scan has come.
 struct StampJudgement {
   struct Verdict {
-    std::uint64_t scan = 0;  ///< its number
-    std::string dropped;     ///< why it is not to be used, "kind: story"; empty = to be used
+    std::uint64_t scan = 0;          ///< its number
+    std::optional<Refusal> refusal;  ///< why it is not to be used; nullopt = to be used
   };
   std::vector<Verdict> verdicts;  ///< of this scan and of others that were held, in the order of their use;
                                   ///< none for a scan that is held
@@ -121,7 +122,7 @@ class StampGate {
  public:
   struct Passed {
     Item item;
-    std::string dropped;  ///< empty = to be used
+    std::optional<Refusal> refusal;  ///< nullopt = to be used
   };
   struct Result {
     std::vector<Passed> passed;  ///< in the order of their use
@@ -146,7 +147,7 @@ class StampGate {
     Result result{{}, judgement.went_back, std::move(judgement.notices)};
     for (StampJudgement::Verdict& verdict : judgement.verdicts) {
       const auto item = items_.find(verdict.scan);
-      result.passed.push_back({std::move(item->second), std::move(verdict.dropped)});
+      result.passed.push_back({std::move(item->second), std::move(verdict.refusal)});
       items_.erase(item);
     }
     return result;

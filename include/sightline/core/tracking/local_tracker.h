@@ -2,12 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "sightline/core/association/association.h"
 #include "sightline/core/association/gate.h"
 #include "sightline/core/estimators/estimators.h"
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/sighting.h"
 #include "sightline/core/model/track.h"
 #include "sightline/core/ordering/scan_order.h"
@@ -43,7 +44,7 @@ struct ScanReport {
   std::vector<Association> associations;  ///< one for each sighting of this scan, in its order
   SensorUse use;                          ///< of the sightings, with what has been learnt of their noise
   std::vector<SensorChange> changes;      ///< of sensors' verdicts, that had not been said before
-  std::string dropped;                    ///< why the scan was not used (late, duplicate); empty if it was
+  std::optional<Refusal> refusal;         ///< why the scan was not used: late, duplicate
 };
 
 /// Tracks targets with the sightings of one sensor or of several. Scans come in the tracking frame, in any
@@ -103,7 +104,7 @@ class LocalTracker {
   };
 
   State firstState(Time time, std::uint32_t next_id) const;
-  std::string refusalOf(const Scan& scan) const;
+  std::optional<Refusal> refusalOf(const Scan& scan) const;
 
   std::vector<Association> putInPlace(const Scan& scan, ScanReport& result);
   std::vector<Association> processNext();
