@@ -50,7 +50,7 @@ void LocalTrackerHealth::noteArrival(const sightline::SightingArray& scan, core:
   sensor.latency.add(core::seconds(now - toCore(scan.header.stamp)));
 }
 
-/// Now and then, what the doctor would say of what came in since.
+/// Now and then, examines what came in since as input_doctor does.
 void LocalTrackerHealth::examine(core::Time now) {
   if (!last_examination_ || now < *last_examination_) last_examination_ = now;
   if (core::seconds(now - *last_examination_) < kSecondsOfExamination) return;
@@ -149,9 +149,9 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
   summarize(now, status);
   examine(now);
   for (const core::WatchedStamps& sensor : stamps) {
-    if (sensor.words.empty()) continue;
-    status.add("stamps of " + sensor.sensor, sensor.words);
-    status.mergeSummary(DiagnosticStatus::WARN, "stamps of " + sensor.sensor + " are " + sensor.words);
+    if (sensor.text.empty()) continue;
+    status.add("stamps of " + sensor.sensor, sensor.text);
+    status.mergeSummary(DiagnosticStatus::WARN, "stamps of " + sensor.sensor + " are " + sensor.text);
   }
   for (const core::CalibratedSensor& sensor : calibrated) {
     status.add("noise of " + sensor.sensor, wordsOf(sensor));

@@ -47,9 +47,9 @@ class Witness {
                        [&](const std::string& notice) { return notice.find(words) != std::string::npos; });
   }
 
-  std::string wordsOn(const std::string& sensor) const {
+  std::string textOn(const std::string& sensor) const {
     for (const auto& watched : watch_.sensors()) {
-      if (watched.sensor == sensor) return watched.words;
+      if (watched.sensor == sensor) return watched.text;
     }
     return "(unknown)";
   }
@@ -159,13 +159,13 @@ TEST_P(Step, ForwardOfOneClockCostsThatSensorAloneUntilItReturns) {
   EXPECT_EQ(witness.notices.size(), 1u);
   EXPECT_TRUE(witness.said("stamps of a are ")) << witness.notices.at(0);
   EXPECT_TRUE(witness.said(" ahead of the others'")) << witness.notices.at(0);
-  EXPECT_NE(witness.wordsOn("a"), "");
-  EXPECT_EQ(witness.wordsOn("b"), "");
+  EXPECT_NE(witness.textOn("a"), "");
+  EXPECT_EQ(witness.textOn("b"), "");
   EXPECT_GT(witness.dropped.size(), 140u);
   EXPECT_TRUE(witness.isUsed(witness.take("b", 10.0)));
   EXPECT_TRUE(witness.isUsed(witness.take("a", 10.01)));
   EXPECT_TRUE(witness.said("stamps of a agree with the others' again"));
-  EXPECT_EQ(witness.wordsOn("a"), "");
+  EXPECT_EQ(witness.textOn("a"), "");
   EXPECT_EQ(witness.went_back, 0);
 }
 

@@ -37,24 +37,24 @@ struct LocalTrackerParams {
   int max_sightings = 10000;  ///< of one scan; the rest is rejected, >= 1
 };
 
-/// What a tracker says after a scan.
+/// What a tracker reports after a scan.
 struct ScanReport {
   Time time{};                            ///< of `tracks`: the newest scan's
   std::vector<Track> tracks;              ///< ascending id, in the tracking frame, valid at `time`
   std::vector<Association> associations;  ///< one for each sighting of this scan, in its order
   SensorUse use;                          ///< of the sightings, with what has been learnt of their noise
-  std::vector<SensorChange> changes;      ///< of sensors' verdicts, that had not been said before
+  std::vector<SensorChange> changes;      ///< of sensors' verdicts, not reported before
   std::optional<Refusal> refusal;         ///< why the scan was not used: late, duplicate
 };
 
 /// Tracks targets with the sightings of one sensor or of several. Scans come in the tracking frame, in any
-/// order within `max_lag`: for a late one the tracker goes back and tracks again from there, so that the
-/// state after it is the same as in order, to the last bit. Ids of tracks that had been started after the
-/// late scan may be given anew by this.
+/// order within `max_lag`: for a late one the tracker rolls back and processes the scans from there again, so
+/// that the state after it is the same as in order, to the last bit. Ids of tracks that had been started
+/// after the late scan may be given anew by this.
 ///
 /// Where several sensors see a target, each is watched against the others (SensorGuard): one whose noise
-/// grows is used with that noise, one that is biased is not used until it has recovered, and the tracker goes
-/// back to when the change began. With one sensor nothing can be told, and nothing is done.
+/// grows is used with that noise, one that is biased is not used until it has recovered, and the tracker
+/// rolls back to when the change began. With one sensor nothing can be compared, and nothing is done.
 ///
 /// What the sensors' noise really is, is learnt (NoiseCalibration, and NoiseLearning in each track). Where it
 /// is less than stated, the rest of the stated variance is taken for an error that varies too slowly to be
@@ -67,11 +67,10 @@ class LocalTracker {
   /// reason. Stamps that jump are the business of a StampWatch before it.
   ScanReport onScan(const Scan& scan);
 
-  /// Time went back to `time`: gives the tracks and everything learnt up, and tracks on from there. Ids go
-  /// on.
+  /// Time went back to `time`: deletes the tracks and everything learnt, and tracks on from there. Ids go on.
   void startAnew(Time time);
 
-  /// What is thought of each sensor that has been compared with others, by name.
+  /// Verdicts on the sensors that have been compared with others, by name.
   std::vector<WatchedSensor> sensors() const { return state_.guard.sensors(); }
 
   /// What has been learnt of each sensor's noise, by name.

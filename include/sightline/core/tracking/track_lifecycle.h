@@ -28,8 +28,8 @@ struct LifecycleParams {
   /// Silence up to which a lost target is remembered, and goes on as the same track when it is seen within
   /// its gate or a new track agrees with its motion [s], >= 0
   double remember = 5.0;
-  /// An established track whose gate is so many times as wide as the sightings' own sigma would make it knows
-  /// nothing and lives on false sightings: it is deleted. > 1
+  /// An established track whose gate is so many times as wide as the sightings' own sigma would make it is
+  /// updated with false sightings alone: it is deleted. > 1
   double max_spread = 30.0;
   /// Scans in a row in which two tracks at the same place with the same motion share the sightings of one
   /// target, after which the younger is deleted, >= 1

@@ -21,7 +21,7 @@
 
 namespace sightline_ros {
 
-/// What a local tracker says of one scan.
+/// What a local tracker reports of one scan.
 struct TrackerReport {
   sightline::SightingArray::ConstPtr scan;
   sightline::TrackArray::Ptr tracks;              ///< null when the scan was dropped
@@ -29,7 +29,7 @@ struct TrackerReport {
   sightline::AssociationArray::Ptr associations;  ///< every sighting of the scan, whether it was used or not
   std::size_t rejected = 0;                       ///< sightings with REJECTED_INPUT
   std::optional<sightline::core::Refusal> refusal;     ///< why the scan was not used
-  std::vector<sightline::core::SensorChange> changes;  ///< of what is thought of a sensor; mostly none
+  std::vector<sightline::core::SensorChange> changes;  ///< of sensors' verdicts; mostly none
   std::string notice;      ///< what else an operator must know (stamps that jump); mostly empty
   bool went_back = false;  ///< time went back: everything was started anew before this scan
 };
@@ -55,13 +55,13 @@ class LocalTrackerComponent {
   /// Tracklets that wait for a scan that does not come; null when nothing has to be sent by now.
   sightline::TrackletArray::Ptr overdueTracklets(sightline::core::Time now);
 
-  /// Gives everything up and tracks on from `time`: time went back.
+  /// Time went back to `time`: deletes everything and tracks on from there.
   void startAnew(sightline::core::Time time);
 
   /// How the stamps of each sensor stand to the others'.
   std::vector<sightline::core::WatchedStamps> stamps() const { return stamps_.sensors(); }
 
-  /// What is thought of each sensor that has been compared with others.
+  /// Verdicts on the sensors that have been compared with others.
   std::vector<sightline::core::WatchedSensor> sensors() const { return tracker_.sensors(); }
 
   /// What has been learnt of each sensor's noise.

@@ -8,7 +8,7 @@ namespace sightline::core {
 namespace {
 
 constexpr int kStatesPerRollBack = 8;   // that are kept for rolling back
-constexpr std::size_t kLeastTaken = 4;  // tracklets that make an estimate a yardstick
+constexpr std::size_t kLeastTaken = 4;  // tracklets from which an estimate corroborates
 constexpr std::size_t kMostSeen = 64;   // sensors
 constexpr double kSeenMemory = 0.3;     // share of the newest innovation of a sensor in the running mean
 
@@ -127,10 +127,10 @@ void GuardedEstimator::watch(const Tracklet& tracklet) {
   scan.sensor = tracklet.sensor;
   scan.ifov = tracklet.ifov;
   scan.sightings = {tracklet.sighting};
-  AssociationResult pairing;
-  pairing.sighting_of = pairing.prediction_of = {0};
-  pairing.may_start = {false};
-  state_.guard.watch(scan, {prediction}, pairing, {corroborationOf(tracklet)});
+  AssociationResult association;
+  association.sighting_of = association.prediction_of = {0};
+  association.may_start = {false};
+  state_.guard.watch(scan, {prediction}, association, {corroborationOf(tracklet)});
 }
 
 Time GuardedEstimator::rollBackTo(const SensorChange& change) const {
@@ -176,7 +176,7 @@ double GuardedEstimator::evidenceAgainst(const std::string& sensor, Time began, 
 
 /// After an alarm by the next tracklet: rolls back to when the change began, and takes what came since then
 /// again with what is known now of the sensor. The others are watched anew, against an estimate that it no
-/// longer harms; they are judged when their next tracklet comes.
+/// longer disturbs; they are judged when their next tracklet comes.
 void GuardedEstimator::rollBack(const SensorChange& change, const Past& past) {
   const SensorGuard known = state_.guard;
   const Time began = rollBackTo(change);

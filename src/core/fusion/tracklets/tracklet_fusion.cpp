@@ -6,7 +6,7 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kOwnerSilence = 0.5;  // after which another supporter speaks for a sensor [s]
+constexpr double kOwnerSilence = 0.5;  // after which another supporter reports for a sensor [s]
 constexpr double kMostBias = 6.0;      // of a sensor that still sees the same target [sigma]
 
 }  // namespace
@@ -25,12 +25,12 @@ void TrackletFusion::feed(const Supporter& supporter, const TrackletMemory& memo
     const TrackletMemory::Remembered& it = *next;
     if (it.tracklet.time > supporter.reported) return;
     fed = it.number;
-    if (speaksFor(supporter.key, it.tracklet) && !track_.add(supporter.key, it.number, it.tracklet)) ++late_;
+    if (reportsFor(supporter.key, it.tracklet) && !track_.add(supporter.key, it.number, it.tracklet)) ++late_;
   }
 }
 
-/// Whether the supporter is the one whose tracklets of this sensor are taken.
-bool TrackletFusion::speaksFor(const LocalKey& supporter, const Tracklet& tracklet) {
+/// Whether the supporter is the one whose tracklets of this sensor are used.
+bool TrackletFusion::reportsFor(const LocalKey& supporter, const Tracklet& tracklet) {
   const auto [it, is_new] = owners_.try_emplace(tracklet.sensor, Owner{supporter, tracklet.time});
   Owner& owner = it->second;
   if (!(owner.supporter == supporter)) {
@@ -67,7 +67,7 @@ std::map<LocalKey, double> TrackletFusion::shares() const {
   return shares;
 }
 
-/// Those for which this supporter speaks.
+/// Those for which this supporter reports.
 std::vector<WatchedSensor> TrackletFusion::sensorsOf(const LocalKey& supporter) const {
   std::vector<WatchedSensor> sensors;
   for (WatchedSensor& watched : track_.sensors()) {

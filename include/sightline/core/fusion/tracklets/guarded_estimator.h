@@ -19,10 +19,10 @@
 namespace sightline::core {
 
 /// An estimator that is given tracklets of several sensors in order of time, and watches those sensors: on an
-/// alarm (section 5.1) it goes back to when the change began and on from there as if it had known. As a
-/// sensor that is off pulls the estimate with it and makes the others look wrong, the one is blamed without
-/// which all that was seen since is the likeliest. Plain state: what it is depends on what it was given and
-/// on nothing else. Copies are independent.
+/// alarm (section 5.1) it rolls back to when the change began and takes what came since with that knowledge.
+/// As a sensor that is off pulls the estimate with it and makes the others look wrong, the one is blamed
+/// without which all that was seen since is the likeliest. Plain state: what it is depends on what it was
+/// given and on nothing else. Copies are independent.
 class GuardedEstimator {
  public:
   /// Gives a tracklet that was taken before, so many takes ago; 1 = the last one.
@@ -50,7 +50,7 @@ class GuardedEstimator {
   /// How many of the tracklets taken may be needed again.
   std::size_t reach() const { return taken_.next(); }
 
-  /// The sensors seen lately that were held against others.
+  /// Verdicts on the sensors of the last tracklets that were compared with others.
   std::vector<WatchedSensor> sensors() const;
 
   /// Whether any sensor is not used as it states.

@@ -20,9 +20,9 @@
 namespace sightline::core {
 
 /// One target as an estimator sees it that is given the tracklets of all its sources, each in its place in
-/// time: for a late one it goes back and runs again from there, so that the order of arrival changes nothing,
-/// to the last bit. Its sensors are watched: what one of them said since it is noisy or biased counts less or
-/// not at all (section 5.1).
+/// time: for a late one it rolls back and runs again from there, so that the order of arrival changes
+/// nothing, to the last bit. Its sensors are watched: the tracklets of one of them since it is noisy or
+/// biased count less or not at all (section 5.1).
 class TrackletTrack {
  public:
   /// `max_lag`: tracklets up to so much older than the newest are put in their place [s], >= 0.
@@ -34,25 +34,25 @@ class TrackletTrack {
   TrackletTrack& operator=(const TrackletTrack&) = delete;
   ~TrackletTrack() = default;
 
-  /// Takes a tracklet of a local track, the `number`-th that its tracker said. One that is here already is
-  /// not taken again. False when it is too late.
+  /// Takes a tracklet of a local track, the `number`-th that its tracker reported. One that is here already
+  /// is not taken again. False when it is too late.
   bool add(const LocalKey& source, std::uint64_t number, const Tracklet& tracklet);
 
-  /// Forgets what a source said since then, as far back as `max_lag` allows. Returns the least number of
-  /// those forgotten.
+  /// Takes out the tracklets of a source since then, as far back as `max_lag` allows. Returns the least
+  /// number of those taken out.
   std::optional<std::uint64_t> remove(const LocalKey& source, Time since);
 
-  /// What the tracklets up to `time` say of the target then, in the tracking frame; nullopt before the first.
+  /// Estimate from the tracklets up to `time`, in the tracking frame; nullopt before the first.
   /// Times do not go back.
   std::optional<AngularState> stateAt(Time time);
 
   /// How much information each source has given since `max_lag` ago, as it was used [1/rad^2].
   std::map<LocalKey, double> informationBySource() const;
 
-  /// The sensors seen lately and what is thought of them.
+  /// Verdicts on the sensors of the last tracklets.
   std::vector<WatchedSensor> sensors() const { return estimator_.sensors(); }
 
-  /// Whether anything is held against any sensor.
+  /// Whether any sensor is not used as it states.
   bool holdsAnything() const { return estimator_.holdsAnything(); }
 
   /// Whether enough sensors are in use to tell which of them is to blame for a disagreement.
