@@ -107,7 +107,8 @@ double BaselineEstimator::reduce(Belief& belief, const core::Measurement& measur
     Eigen::Matrix3d& P = belief.covariance[channel];
     const double S = P(0, 0) + measurement.covariance(channel, channel);
     const double innovation = measurement.position(channel) - belief.mean[channel](0);
-    const double log_genuine = -0.5 * (innovation * innovation / S + std::log(2.0 * kPi * S));
+    const double log_genuine =
+        -0.5 * (innovation * innovation / S + std::log(2.0 * sightline::core::kPi * S));
     const double genuine = (1.0 - params_.outlier_share) * std::exp(log_genuine);
     const double wild = params_.outlier_share / (4.0 * params_.scale);
     const double beta = params_.outlier_share > 0.0 ? genuine / (genuine + wild) : 1.0;

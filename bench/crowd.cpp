@@ -58,7 +58,7 @@ CrowdScenario crossing(int targets, std::uint64_t seed) {
   std::uniform_real_distribution<double> uniform;
   CrowdScenario scenario;
   for (int i = 0; i < targets; ++i) {
-    const double heading = 2.0 * kPi * (i + 0.6 * uniform(random)) / targets;
+    const double heading = 2.0 * sightline::core::kPi * (i + 0.6 * uniform(random)) / targets;
     const double speed = 0.006 + 0.008 * uniform(random);
     CrowdTarget target;
     target.from = 10.0 * uniform(random);

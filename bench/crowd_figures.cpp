@@ -1,6 +1,6 @@
 #include <set>
 
-#include "sightline/core/evaluation/scores.h"
+#include "sightline/core/evaluation/track_score.h"
 #include "sightline/core/model/sphere.h"
 
 #include "crowd.h"
@@ -46,7 +46,7 @@ CrowdFigures follow(const CrowdRecording& recording, const core::LocalTrackerPar
     for (const core::Track& track : tracks.tracks) {
       if (track.status != core::TrackStatus::tentative) ++lives[track.id].reports;
     }
-    score.judge(tracks, targetsOf(recording.truths[k]), kCutoff, listener);
+    score.add(tracks, targetsOf(recording.truths[k]), kCutoff, listener);
   }
   figures.gospa = score.gospaMeans().distance();
   figures.localisation = score.gospaMeans().localisation();

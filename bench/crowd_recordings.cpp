@@ -41,7 +41,7 @@ core::Sighting sightingAt(const Eigen::Vector2d& angles, double sigma) {
 }  // namespace
 
 Eigen::Vector2d CrowdTarget::placeAt(double time) const {
-  const double phase = 2.0 * kPi * (time - meeting) / period;
+  const double phase = 2.0 * sightline::core::kPi * (time - meeting) / period;
   return at + (time - meeting) * rate + std::sin(phase) * weave;
 }
 

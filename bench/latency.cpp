@@ -4,7 +4,6 @@
 //
 //   latency [SECONDS]     (default 20)
 
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -16,6 +15,8 @@
 #include <ros/ros.h>
 #include <sightline/SightingArray.h>
 #include <sightline/TrackArray.h>
+
+#include "quantiles.h"
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "latency", ros::init_options::AnonymousName);
@@ -53,11 +54,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "latency: no tracks came on /sensors/*/tracks; is six_sensors.launch running?\n");
     return 1;
   }
-  std::sort(latencies.begin(), latencies.end());
-  const auto quantile = [&](double share) {
-    return 1e3 * latencies[static_cast<std::size_t>(share * static_cast<double>(latencies.size() - 1))];
-  };
-  std::printf("%zu scans: median %.2f ms, 99 %% %.2f ms, longest %.2f ms\n", latencies.size(), quantile(0.5),
-              quantile(0.99), latencies.back() * 1e3);
+  using sightline::bench::median;
+  using sightline::bench::quantile;
+  std::printf("%zu scans: median %.2f ms, 99 %% %.2f ms, longest %.2f ms\n", latencies.size(),
+              1e3 * median(latencies), 1e3 * quantile(latencies, 0.99), 1e3 * quantile(latencies, 1.0));
   return 0;
 }

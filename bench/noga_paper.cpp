@@ -20,6 +20,7 @@
 #include "sightline/core/estimators/noga.h"
 
 #include "paper_benchmark.h"
+#include "quantiles.h"
 
 namespace sightline::bench {
 namespace {
@@ -54,11 +55,7 @@ struct Errors {
   Score printed, residual;
   std::vector<double> sizes;  // of the estimate, each sighting and channel [rad]
 
-  double fromMedian() {
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    return *middle / 0.6745;
-  }
+  double fromMedian() const { return median(sizes) / 0.6745; }
 };
 
 void addRun(const Run& run, NogaParams params, bool sizes, Score& score, Errors& errors) {

@@ -53,7 +53,7 @@ std::map<std::string, std::vector<Stretch>> sensorsOf(const std::string& file) {
 /// Centres of the boxes of a thermal clip with one target, with a sigma of one pixel; field of view taken to
 /// be 24 x 19 degrees over 320 x 256 pixels.
 Stretch boxesOf(const std::string& file) {
-  constexpr double kPixel = 24.0 / 320.0 * kDegree;
+  constexpr double kPixel = 24.0 / 320.0 * sightline::core::kDegree;
   Stretch stretch;
   for (const Row& row : rowsOf(file, 7)) {
     const core::Time time(core::durationOf(std::stod(row[1])));
@@ -165,7 +165,8 @@ std::vector<Recorded> recordedTargets(const std::string& folder) {
   harbour.name = "harbour, IR";
   for (const char* scenario : {"scenario2", "scenario3", "scenario5"}) {
     const std::string path = folder + "/harbour/" + scenario;
-    addTargets(path + "_sightings.csv", path + "_truth.csv", false, "IR", 4.0 * kDegree, harbour.stretches);
+    addTargets(path + "_sightings.csv", path + "_truth.csv", false, "IR", 4.0 * sightline::core::kDegree,
+               harbour.stretches);
   }
   crossing.name = "crossing, run1";
   addTargets(folder + "/crossing/run1/sightings.csv", folder + "/crossing/run1/truth.csv", true, "camera",

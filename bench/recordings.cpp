@@ -21,6 +21,8 @@
 #include "sightline/core/estimators/estimators.h"
 #include "sightline/core/model/sphere.h"
 
+#include "quantiles.h"
+
 namespace sightline::bench {
 namespace {
 
@@ -53,8 +55,7 @@ void printRecording(const std::string& file) {
       for (const Stretch& stretch : stretches) follow(stretch, make, figures);
       std::printf("%-12s %-12s %9d %7.1f %% %8d %7.2f %7.3f deg %4.3f deg\n", sensor.c_str(), entry.first,
                   figures.sightings, 100.0 * figures.accepted / figures.sightings, figures.restarts,
-                  figures.nis(), figures.aheadRms() / kDegree,
-                  RecordingFigures::median(figures.ahead) / kDegree);
+                  figures.nis(), figures.aheadRms() / core::kDegree, median(figures.ahead) / core::kDegree);
     }
   }
 }

@@ -73,12 +73,6 @@ struct RecordingFigures {
     for (const double angle : ahead) sum += angle * angle;
     return std::sqrt(sum / 2.0 / static_cast<double>(std::max<std::size_t>(ahead.size(), 1)));
   }
-  static double median(std::vector<double> values) {
-    if (values.empty()) return 0.0;
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                     values.end());
-    return values[values.size() / 2];
-  }
 };
 
 /// Runs estimators made by `make` over a stretch: a sighting within the gate updates, eight outside it in

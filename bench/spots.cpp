@@ -33,19 +33,14 @@
 #include "sightline/core/imaging/spot_detector.h"
 #include "sightline/core/simulation/random_stream.h"
 
+#include "quantiles.h"
+
 namespace sightline::bench {
 namespace {
 
 using core::SpotDetector;
 using core::SpotDetectorParams;
 using Background = SpotDetectorParams::Background;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // ---- simulated spots
 // --------------------------------------------------------------------------------------------------
@@ -314,13 +309,10 @@ ClipFigures runClip(const std::string& folder, const std::string& name, const Sp
 }
 
 void printRow(const std::string& name, const ClipFigures& figures) {
-  std::vector<double> sorted = figures.errors;
-  std::sort(sorted.begin(), sorted.end());
-  const double ninety = sorted.empty() ? std::nan("") : sorted[sorted.size() * 9 / 10];
   std::printf("%-20s %7d %7d %8.1f %% %11.3f %10.2f px %7.2f px", name.c_str(), figures.frames, figures.boxes,
               100.0 * figures.seen / std::max(figures.boxes, 1),
               static_cast<double>(figures.false_spots) / std::max(figures.frames, 1), median(figures.errors),
-              ninety);
+              quantile(figures.errors, 0.9));
   if (figures.seen > 0 && !figures.offset.isZero())
     std::printf("   (%+.2f, %+.2f)", figures.offset.x() / figures.seen, figures.offset.y() / figures.seen);
   std::printf("\n");

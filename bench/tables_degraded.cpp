@@ -12,6 +12,7 @@
 
 #include "monte_carlo.h"
 #include "parallel.h"
+#include "quantiles.h"
 #include "tables.h"
 
 namespace sightline::bench {
@@ -169,13 +170,6 @@ Sample sampleOf(const std::vector<RunFigures>& runs) {
   std::vector<double> values;
   for (const RunFigures& run : runs) values.push_back(run.squares);
   return Sample(values);
-}
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return kNone;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1,
-                         static_cast<std::size_t>(share * static_cast<double>(values.size())))];
 }
 
 double meanOf(const std::vector<RunFigures>& runs, double RunFigures::*field) {

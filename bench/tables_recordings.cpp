@@ -181,7 +181,7 @@ Line measured(const Recorded& recorded, const Options& options) {
 }
 
 void printLine(const Line& line) {
-  std::printf("%-19s|%7.3f %-8s", line.recorded.name.c_str(), line.best.rms() / kDegree,
+  std::printf("%-19s|%7.3f %-8s", line.recorded.name.c_str(), line.best.rms() / sightline::core::kDegree,
               line.best.name.c_str());
   if (line.recorded.in_section_8) {
     std::printf("%6.3f ", line.recorded.reference_best);
@@ -191,7 +191,8 @@ void printLine(const Line& line) {
   for (std::size_t k = 0; k < line.contenders.size(); ++k) {
     const Outcome& outcome = line.contenders[k];
     const Ratio ratio = rootRatio(outcome.squares, line.best.squares);
-    std::printf("|%7.3f %5.2f +-%4.2f", outcome.rms() / kDegree, ratio.value, ratio.log_band * ratio.value);
+    std::printf("|%7.3f %5.2f +-%4.2f", outcome.rms() / sightline::core::kDegree, ratio.value,
+                ratio.log_band * ratio.value);
     if (k < 2) std::printf(" %5.2f %5.2f", outcome.nis, std::sqrt(outcome.noise_scale));
   }
   std::printf("\n");

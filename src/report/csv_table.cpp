@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <optional>
 #include <regex>
 #include <utility>
 
-namespace sightline_ros {
+#include "sightline/report/value_text.h"
 
-namespace core = sightline::core;
-
+namespace sightline::report {
 namespace {
 
 constexpr double kLatestTime = 9e9;  // [s]; nanoseconds in 64 bits end at 9.2e9 s
@@ -37,13 +35,6 @@ std::string joined(const std::vector<std::string>& parts) {
   std::string all;
   for (const std::string& part : parts) all += (all.empty() ? "" : ",") + part;
   return all;
-}
-
-std::optional<double> numberOf(const std::string& text) {
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !std::isfinite(number)) return std::nullopt;
-  return number;
 }
 
 /// Seconds as a plain decimal, to the nanosecond without a detour over double. Further digits are cut off.
@@ -115,7 +106,7 @@ const std::string& CsvTable::text(std::size_t row, const std::string& column) co
 }
 
 double CsvTable::number(std::size_t row, const std::string& column, const std::string& unit) const {
-  if (const auto number = numberOf(text(row, column))) return *number;
+  if (const auto number = numberFrom(text(row, column))) return *number;
   throw error(row, column + ": expected a finite number [" + unit + "], got \"" + text(row, column) + "\"");
 }
 
@@ -136,4 +127,4 @@ CsvError CsvTable::errorAt(std::size_t line, const std::string& complaint) const
   return CsvError(name_ + ":" + std::to_string(line) + ": " + complaint);
 }
 
-}  // namespace sightline_ros
+}  // namespace sightline::report

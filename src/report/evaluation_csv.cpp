@@ -6,10 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace sightline_ros {
-
-namespace core = sightline::core;
-
+namespace sightline::report {
 namespace {
 
 using core::EvaluationRow;
@@ -82,7 +79,7 @@ Line lineOf(const EvaluationRow& row) {
           {"breaks", std::to_string(row.breaks)},
           {"id_switches", std::to_string(row.id_switches)},
           {"unmatched", std::to_string(row.unmatched)},
-          {"unjudged", std::to_string(row.unjudged)},
+          {"unjudged", std::to_string(row.unscored)},
           {"stated_sigma", orEmpty(row.stated_sigma)},
           {"gospa", orEmpty(row.gospa.distance())},
           {"gospa_localisation", orEmpty(row.gospa.localisationCost())},
@@ -93,7 +90,7 @@ Line lineOf(const EvaluationRow& row) {
           {"ospa", orEmpty(row.ospa)},
           {"tracks", std::to_string(row.tracks)},
           {"false_tracks", std::to_string(row.false_tracks)},
-          {"judged_time", orEmpty(row.judged_time)},
+          {"judged_time", orEmpty(row.scored_time)},
           {"false_tracks_per_hour", orEmpty(row.false_tracks_per_hour)},
           {"purity", orEmpty(row.purity)},
           {"completeness", orEmpty(row.completeness)},
@@ -141,4 +138,4 @@ void writeEvaluationCsv(const std::string& path, const std::vector<EvaluationRow
   if (!stream.flush()) throw std::runtime_error(path + ": cannot be written");
 }
 
-}  // namespace sightline_ros
+}  // namespace sightline::report

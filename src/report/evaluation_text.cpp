@@ -6,18 +6,14 @@
 
 #include "sightline/core/model/sphere.h"
 
-namespace sightline_ros {
-
-namespace core = sightline::core;
-
+namespace sightline::report {
 namespace {
 
 using core::EvaluationRow;
 using Cells = std::vector<std::string>;
 
 constexpr double kDegreesPerRadian = 180.0 / core::kPi;
-
-constexpr double kSigmasOfCutoff = 3.0;
+constexpr double kSigmasOfCutoff = 3.0;  // below, the cutoff cuts into the errors of good tracks
 
 template <typename... Values>
 std::string format(const char* pattern, Values... values) {
@@ -30,7 +26,7 @@ std::string withSign(double value, int count) {
   return std::isnan(value) ? "-" : format("%+.*f", count, value);
 }
 
-bool wasHeard(const EvaluationRow& row) {
+bool hasMessages(const EvaluationRow& row) {
   return !row.name.empty();
 }
 
@@ -43,10 +39,6 @@ const char* headingOf(EvaluationRow::Kind kind) {
     default:
       return "fused tracks";
   }
-}
-
-std::string percent(double share) {
-  return std::isnan(share) ? "-" : decimals(100.0 * share, 1) + " %";
 }
 
 std::string anees(double value, double degrees, bool with_band) {
@@ -80,7 +72,7 @@ void addGroups(const std::vector<EvaluationRow>& rows, const MakeCells& make_cel
                std::vector<Cells>& table) {
   std::string heading;
   for (const EvaluationRow& row : rows) {
-    if (!wasHeard(row)) continue;
+    if (!hasMessages(row)) continue;
     if (heading != headingOf(row.kind)) table.push_back({heading = headingOf(row.kind)});
     table.push_back(make_cells(row));
   }
@@ -97,7 +89,7 @@ std::string errorTable(const std::vector<EvaluationRow>& rows, bool with_bands) 
 std::vector<EvaluationRow> tracksOf(const std::vector<EvaluationRow>& rows) {
   std::vector<EvaluationRow> tracks;
   std::copy_if(rows.begin(), rows.end(), std::back_inserter(tracks), [](const EvaluationRow& row) {
-    return row.kind != EvaluationRow::Kind::sightings && wasHeard(row);
+    return row.kind != EvaluationRow::Kind::sightings && hasMessages(row);
   });
   return tracks;
 }
@@ -145,8 +137,8 @@ std::string notesOn(const std::vector<EvaluationRow>& rows, double best_sigma,
         "wider.\n";
   std::string silent, outside;
   for (const EvaluationRow& row : rows) {
-    if (!wasHeard(row)) silent += " " + row.topic;
-    if (row.unjudged > 0) outside += " " + row.topic + " (" + std::to_string(row.unjudged) + ")";
+    if (!hasMessages(row)) silent += " " + row.topic;
+    if (row.unscored > 0) outside += " " + row.topic + " (" + std::to_string(row.unscored) + ")";
   }
   if (!silent.empty()) notes += "nothing heard on" + silent + "\n";
   if (!outside.empty()) notes += "messages for whose time no truth is known:" + outside + "\n";
@@ -178,6 +170,10 @@ std::string readable(double value, int digits) {
 
 std::string decimals(double value, int count) {
   return std::isnan(value) ? "-" : format("%.*f", count, value);
+}
+
+std::string percent(double share) {
+  return std::isnan(share) ? "-" : decimals(100.0 * share, 1) + " %";
 }
 
 std::string withBand(double average, double degrees) {
@@ -251,15 +247,32 @@ std::string targetTable(const std::vector<core::TargetRow>& rows) {
   return "\n" + alignedTable(table);
 }
 
+std::string innovationTable(const std::map<std::string, core::InnovationStatistics>& innovations) {
+  if (innovations.empty()) return "";
+  std::vector<Cells> table = {
+      {"associations", "accepted", "NIS [95 % band]", "outside gate", "claimed", "started", "rejected"}};
+  for (const auto& [topic, statistics] : innovations) {
+    const auto count = [&statistics](core::Decision decision) {
+      return std::to_string(statistics.count(decision));
+    };
+    const double degrees = 2.0 * static_cast<double>(statistics.count(core::Decision::accepted));
+    table.push_back({"  " + topic, count(core::Decision::accepted), withBand(statistics.nis(), degrees),
+                     count(core::Decision::outside_gate), count(core::Decision::claimed_by_other),
+                     count(core::Decision::started_track), count(core::Decision::rejected_input)});
+  }
+  return "\n" + alignedTable(table) +
+         "NIS: mean squared innovation over its covariance and dimension, 1 for an honest prediction.\n";
+}
+
 std::string liveSummary(const std::vector<EvaluationRow>& rows, double best_sigma, double elapsed) {
   std::vector<Cells> table = {{decimals(elapsed, 1) + " s", "tracks", "azimuth [deg]", "elevation [deg]",
                                "error/sigma", "RMSE/sigma"}};
   for (const EvaluationRow& row : rows) {
-    if (row.kind != EvaluationRow::Kind::sightings && wasHeard(row))
+    if (row.kind != EvaluationRow::Kind::sightings && hasMessages(row))
       table.push_back(liveCells(row, best_sigma));
   }
   if (table.size() == 1) return decimals(elapsed, 1) + " s: no tracker heard yet\n";
   return alignedTable(table);
 }
 
-}  // namespace sightline_ros
+}  // namespace sightline::report

@@ -2,16 +2,13 @@
 
 #include <utility>
 
-namespace sightline_ros {
-
-namespace core = sightline::core;
-
+namespace sightline::report {
 namespace {
 
 constexpr double kForEver = 2e9;    // [s]
 constexpr int kDeepestFusion = 10;  // fusions of fusions
 
-/// The listener, told of pairs as of the topic of the tracks.
+/// The listener, called with the topic of the tracks instead of that of the sightings.
 core::ScoreListener underTopic(const core::ScoreListener& listener, const std::string& topic) {
   if (!listener.pair) return {};
   const auto tell = [pair_listener = listener.pair, topic](core::ScoredPair pair) {
@@ -73,4 +70,4 @@ bool ResidualComparison::isMadeOf(const Topic& topic, const std::string& sensor,
   return false;
 }
 
-}  // namespace sightline_ros
+}  // namespace sightline::report

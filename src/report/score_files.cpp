@@ -4,10 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
-namespace sightline_ros {
-
-namespace core = sightline::core;
-
+namespace sightline::report {
 namespace {
 
 std::ofstream opened(const std::filesystem::path& path) {
@@ -27,7 +24,7 @@ std::string orEmpty(const std::optional<double>& value) {
 
 }  // namespace
 
-JudgementFiles::JudgementFiles(const std::string& folder) {
+ScoreFiles::ScoreFiles(const std::string& folder) {
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
   if (problem) throw std::runtime_error(folder + ": cannot be made: " + problem.message());
@@ -38,12 +35,12 @@ JudgementFiles::JudgementFiles(const std::string& folder) {
   gospa_ << "topic,time,distance,localisation,missed,false,ospa\n";
 }
 
-core::ScoreListener JudgementFiles::listener() {
+core::ScoreListener ScoreFiles::listener() {
   return {[this](const core::ScoredPair& pair) { write(pair); },
           [this](const core::ScoredReport& report) { write(report); }};
 }
 
-void JudgementFiles::write(const core::ScoredPair& pair) {
+void ScoreFiles::write(const core::ScoredPair& pair) {
   const core::DirectionError& error = pair.error;
   errors_ << pair.topic << ',' << pair.name << ',' << secondsOf(pair.time) << ',' << pair.target << ','
           << pair.track << ',' << pair.angles.x() << ',' << pair.angles.y() << ',' << pair.truth.x() << ','
@@ -52,11 +49,11 @@ void JudgementFiles::write(const core::ScoredPair& pair) {
           << orEmpty(error.state_nees) << '\n';
 }
 
-void JudgementFiles::write(const core::ScoredReport& report) {
+void ScoreFiles::write(const core::ScoredReport& report) {
   const core::Gospa& gospa = report.gospa;
   gospa_ << report.topic << ',' << secondsOf(report.time) << ',' << gospa.distance << ','
          << gospa.localisation << ',' << gospa.missed << ',' << gospa.extra << ',' << report.ospa.distance
          << '\n';
 }
 
-}  // namespace sightline_ros
+}  // namespace sightline::report

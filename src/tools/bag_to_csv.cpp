@@ -14,12 +14,12 @@ const char* const kUsage =
 
 void convert(const std::vector<std::string>& words) {
   using namespace sightline_ros;
-  const CommandLine line(words, {"--topic"}, 2, 2);
+  const sightline::report::CommandLine line(words, {"--topic"}, 2, 2);
   std::cout << convertBagToCsv(line.arguments()[0], line.arguments()[1], line.all("--topic")) << "\n";
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return sightline_ros::runTool(argc, argv, kUsage, convert);
+  return sightline::report::runTool(argc, argv, kUsage, convert);
 }

@@ -1,5 +1,3 @@
-#include <cmath>
-#include <cstdlib>
 #include <iostream>
 
 #include "sightline/report/command_line.h"
@@ -19,19 +17,14 @@ const char* const kUsage =
 
 void convert(const std::vector<std::string>& words) {
   using namespace sightline_ros;
-  const CommandLine line(words, {"--frame", "--offset"}, 2, 2);
-  const std::string offset = line.option("--offset", "0");
-  char* end = nullptr;
-  const double seconds = std::strtod(offset.c_str(), &end);
-  if (offset.empty() || *end != '\0' || !std::isfinite(seconds))
-    throw UsageError("--offset: expected a number [s], got \"" + offset + "\"");
+  const sightline::report::CommandLine line(words, {"--frame", "--offset"}, 2, 2);
   std::cout << convertCsvToBag(line.arguments()[0], line.arguments()[1],
-                               line.option("--frame", "platform_enu"), seconds)
+                               line.option("--frame", "platform_enu"), line.number("--offset", 0.0))
             << "\n";
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return sightline_ros::runTool(argc, argv, kUsage, convert);
+  return sightline::report::runTool(argc, argv, kUsage, convert);
 }

@@ -13,11 +13,10 @@ using namespace sightline_ros;
 
 const char* const kUsage =
     "Usage: doctor [--seconds S] [--tracking-frame F]\n"
-    "Looks at the running sensors, trackers and fusions for some time, and says in plain words what is wrong "
-    "with\n"
-    "their topics, frames, stamps, rates and covariances, and what helps. Exit code 0: nothing is wrong; 1: "
-    "something is.\n"
-    "  --seconds S          how long to look (default 10)\n"
+    "Examines the running sensors, trackers and fusions for some time, and reports what is wrong with their\n"
+    "topics, frames, stamps, rates and covariances, and what to do about it.\n"
+    "Exit code 0: nothing is wrong; 1: something is.\n"
+    "  --seconds S          how long to examine (default 10)\n"
     "  --tracking-frame F   frame in which targets are tracked (default: that of the running trackers, or "
     "platform_enu)\n";
 

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
@@ -14,16 +11,19 @@
 
 namespace {
 
-using sightline_ros::UsageError;
+using sightline::report::CommandLine;
+using sightline::report::NumberRange;
+using sightline::report::UsageError;
 
 const char* const kUsage =
     "Usage: evaluate [--truth TOPIC_OR_CSV] [options] OUT.bag\n"
-    "Says how good the tracks of a recording are: RMSE, ANEES with its 95 % band, GOSPA, OSPA, breaks, "
-    "changes "
-    "of identity,\n"
-    "time to confirm, false tracks, of every TrackArray topic and target. Without --truth, how the sightings "
-    "lie about the tracks, and how long these "
-    "live.\n"
+    "Compares every TrackArray topic of a recording with the truth, also for each target: RMSE, ANEES with "
+    "its "
+    "95 % band,\n"
+    "GOSPA, OSPA, breaks, changes of identity, time to confirm, false tracks. Without --truth: the residuals "
+    "of "
+    "the sightings\n"
+    "from the tracks, and the lengths of the tracks.\n"
     "  --truth TOPIC_OR_CSV   a TrackArray topic of the bag, or a file with a header line and the columns "
     "time,azimuth\n"
     "                         and, as there are, elevation, target, sensor (whose directions they are), "
@@ -31,39 +31,21 @@ const char* const kUsage =
     "  --no-truth             compare with the sightings (as without --truth)\n"
     "  --azimuth-only         the truth's elevation is not known, or sightings have none: compare azimuths "
     "alone\n"
-    "  --settle S             first seconds of each target, which do not count (default 0)\n"
-    "  --truth-gap S          a target is not there between samples of the truth further apart (default 2)\n"
+    "  --settle S             first seconds of each target, which are not scored (default 0)\n"
+    "  --truth-gap S          between samples of the truth further apart a target does not exist (default "
+    "2)\n"
     "  --match-gate RAD       largest distance of a target's track (default ten stated sigmas of the "
     "coarsest sensor)\n"
     "  --sighting-gate N      largest distance of a target's sighting in stated sigmas (default 6)\n"
-    "  --sighting-floor RAD   within which a sighting is a target's whatever sigma it states (default 0)\n"
+    "  --sighting-floor RAD   distance within which a sighting is a target's, whatever sigma it states "
+    "(default "
+    "0)\n"
     "  --gospa-c RAD          cutoff of GOSPA and OSPA, whose order is 2 (default 0.01)\n"
-    "  --csv DIR              what was compared and found, as CSV files: evaluation.csv (every figure, a "
-    "line "
-    "for each\n"
-    "                         topic, and for each of its targets), errors.csv, gospa.csv\n"
-    "  --plots DIR            the same, and pictures of errors, consistency and GOSPA over time\n";
-
-/// Whether the flag is there; takes it out.
-bool takeFlag(std::vector<std::string>& words, const std::string& flag) {
-  const auto end = std::remove(words.begin(), words.end(), flag);
-  const bool found = end != words.end();
-  words.erase(end, words.end());
-  return found;
-}
-
-/// The option's number, at least 0 (above 0 when `must_be_positive`).
-double number(const sightline_ros::CommandLine& line, const std::string& option, double fallback,
-              bool must_be_positive = false) {
-  if (!line.has(option)) return fallback;
-  const std::string text = line.option(option, "");
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const bool is_number = !text.empty() && *end == '\0' && std::isfinite(value);
-  if (is_number && (must_be_positive ? value > 0.0 : value >= 0.0)) return value;
-  throw UsageError(option + ": expected a number " + (must_be_positive ? "above 0" : "of at least 0") +
-                   ", got \"" + text + "\"");
-}
+    "  --csv DIR              writes CSV files: evaluation.csv (every figure, a line for each topic and for "
+    "each "
+    "of its\n"
+    "                         targets), errors.csv, gospa.csv\n"
+    "  --plots DIR            writes the same, and pictures of errors, consistency and GOSPA over time\n";
 
 /// The installed script beside this program, or that of the source folder.
 std::string plotScript() {
@@ -91,15 +73,26 @@ void draw(const std::string& folder) {
   }
 }
 
-void evaluate(const std::vector<std::string>& all_words) {
-  std::vector<std::string> words = all_words;
-  const bool azimuth_only = takeFlag(words, "--azimuth-only"), no_truth = takeFlag(words, "--no-truth");
-  const sightline_ros::CommandLine line(
-      words,
-      {"--truth", "--settle", "--truth-gap", "--match-gate", "--sighting-gate", "--sighting-floor",
-       "--gospa-c", "--csv", "--plots"},
-      1, 1);
-  if (no_truth && line.has("--truth")) throw UsageError("--truth and --no-truth exclude each other");
+sightline::core::EvaluationParams paramsFrom(const CommandLine& line) {
+  constexpr NumberRange kAtLeastZero = NumberRange::at_least_zero, kAboveZero = NumberRange::above_zero;
+  sightline::core::EvaluationParams params;
+  if (line.has("--azimuth-only")) params.channels = sightline::core::Channels::azimuth_only;
+  params.settle_time = line.number("--settle", params.settle_time, kAtLeastZero);
+  params.truth_gap = line.number("--truth-gap", params.truth_gap, kAboveZero);
+  params.match_gate = line.number("--match-gate", params.match_gate, kAtLeastZero);
+  params.sighting_gate = line.number("--sighting-gate", params.sighting_gate, kAboveZero);
+  params.sighting_gate_floor = line.number("--sighting-floor", params.sighting_gate_floor, kAtLeastZero);
+  params.gospa.cutoff = line.number("--gospa-c", params.gospa.cutoff, kAboveZero);
+  return params;
+}
+
+void evaluate(const std::vector<std::string>& words) {
+  const CommandLine line(words,
+                         {"--truth", "--settle", "--truth-gap", "--match-gate", "--sighting-gate",
+                          "--sighting-floor", "--gospa-c", "--csv", "--plots"},
+                         1, 1, {"--azimuth-only", "--no-truth"});
+  if (line.has("--no-truth") && line.has("--truth"))
+    throw UsageError("--truth and --no-truth exclude each other: give one");
 
   sightline_ros::BagEvaluationSettings settings;
   settings.truth = line.option("--truth", "");
@@ -107,14 +100,7 @@ void evaluate(const std::vector<std::string>& all_words) {
   if (!plots.empty() && line.has("--csv"))
     throw UsageError("--plots DIR writes the files of --csv as well: give one");
   settings.csv = line.option("--csv", plots);
-  auto& params = settings.evaluation;
-  if (azimuth_only) params.channels = sightline::core::Channels::azimuth_only;
-  params.settle_time = number(line, "--settle", params.settle_time);
-  params.truth_gap = number(line, "--truth-gap", params.truth_gap, true);
-  params.match_gate = number(line, "--match-gate", params.match_gate);
-  params.sighting_gate = number(line, "--sighting-gate", params.sighting_gate, true);
-  params.sighting_gate_floor = number(line, "--sighting-floor", params.sighting_gate_floor);
-  params.gospa.cutoff = number(line, "--gospa-c", params.gospa.cutoff, true);
+  settings.evaluation = paramsFrom(line);
 
   std::cout << sightline_ros::evaluateBag(line.arguments()[0], settings);
   if (!plots.empty()) draw(plots);
@@ -123,5 +109,5 @@ void evaluate(const std::vector<std::string>& all_words) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return sightline_ros::runTool(argc, argv, kUsage, evaluate);
+  return sightline::report::runTool(argc, argv, kUsage, evaluate);
 }

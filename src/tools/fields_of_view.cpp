@@ -16,7 +16,7 @@ const char* const kUsage =
 
 void list(const std::vector<std::string>& words) {
   using namespace sightline_ros;
-  const CommandLine line(words, {}, 1, 10);
+  const sightline::report::CommandLine line(words, {}, 1, 10);
   const auto scenario = loadScenario(ParamReader::fromYamlFiles(line.arguments()));
   std::string separator;
   std::cout << std::fixed << std::setprecision(15) << "[";  // an exponent would make a string of it
@@ -32,5 +32,5 @@ void list(const std::vector<std::string>& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return sightline_ros::runTool(argc, argv, kUsage, list);
+  return sightline::report::runTool(argc, argv, kUsage, list);
 }

@@ -39,7 +39,7 @@ void print(const sightline_ros::ReplaySummary& summary, const std::string& out, 
 
 void run(const std::vector<std::string>& words) {
   using namespace sightline_ros;
-  const CommandLine line(words, {"--config", "--estimator", "--rule"}, 2, 2);
+  const sightline::report::CommandLine line(words, {"--config", "--estimator", "--rule"}, 2, 2);
   const auto start = std::chrono::steady_clock::now();
   const ReplaySummary summary =
       replay(line.arguments()[0], line.arguments()[1],
@@ -51,5 +51,5 @@ void run(const std::vector<std::string>& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return sightline_ros::runTool(argc, argv, kUsage, run);
+  return sightline::report::runTool(argc, argv, kUsage, run);
 }

@@ -17,7 +17,7 @@ const char* const kUsage =
 
 void list(const std::vector<std::string>& words) {
   using namespace sightline_ros;
-  const CommandLine line(words, {}, 1, 1);
+  const sightline::report::CommandLine line(words, {}, 1, 1);
   const auto bag = openBag(line.arguments()[0]);
   rosbag::View view(*bag, rosbag::TypeQuery(ros::message_traits::datatype<sightline::SightingArray>()));
   std::set<std::string> topics;
@@ -32,5 +32,5 @@ void list(const std::vector<std::string>& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return sightline_ros::runTool(argc, argv, kUsage, list);
+  return sightline::report::runTool(argc, argv, kUsage, list);
 }

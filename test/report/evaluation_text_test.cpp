@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-using namespace sightline_ros;
+using namespace sightline::report;
 using sightline::core::EvaluationRow;
 
 namespace {
@@ -123,7 +123,7 @@ TEST(EvaluationTable, NamesWhatWasNotHeardAndWhatHadNoTruth) {
   EvaluationRow silent = tracks(), outside = sightings();
   silent.topic = "/silent/tracks";
   silent.name = "";
-  outside.unjudged = 7;
+  outside.unscored = 7;
   const std::string table = evaluationTable({outside, silent}, kNaN);
   EXPECT_EQ(lineWith(table, "/silent/tracks"), "nothing heard on /silent/tracks");
   EXPECT_NE(table.find("/sensors/left/sightings (7)"), std::string::npos);
@@ -195,6 +195,22 @@ TEST(LiveSummary, SaysThatNothingWasHeard) {
   lost.error_now = kNaN;
   EXPECT_EQ(wordsOf(lineWith(liveSummary({lost}, kNaN, 1.0), "sensors/left")),
             (std::vector<std::string>{"sensors/left", "0", "-", "-", "-", "0.49"}));
+}
+
+TEST(InnovationTable, CountsDecisionsAndGivesTheNisWithItsBand) {
+  EXPECT_EQ(innovationTable({}), "");
+  sightline::core::InnovationStatistics statistics;
+  sightline::core::Association association;
+  association.decision = sightline::core::Decision::accepted;
+  association.distance_squared = 3.0;
+  statistics.add(association);
+  association.decision = sightline::core::Decision::outside_gate;
+  statistics.add(association);
+  const std::string line = lineWith(innovationTable({{"/associations", statistics}}), "/associations");
+  EXPECT_NE(line.find("1.50 ["), std::string::npos) << line;
+  const std::vector<std::string> words = wordsOf(line);
+  EXPECT_EQ(words[1], "1");
+  EXPECT_EQ(words[words.size() - 4], "1");  // outside the gate
 }
 
 }  // namespace

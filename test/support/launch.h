@@ -7,6 +7,8 @@
 #include <unistd.h>
 #include <vector>
 
+#include "support/waiting.h"
+
 /// roslaunch of one of the package's files under way; it is ended with the object.
 class Launch {
  public:
@@ -31,6 +33,11 @@ class Launch {
 
   Launch(const Launch&) = delete;
   Launch& operator=(const Launch&) = delete;
+
+  /// Serves callbacks until it has ended; false when it has not within `patience` [s].
+  bool endsWithin(double patience) {
+    return eventually([this] { return exitCode().has_value(); }, [] {}, ros::WallDuration(0.01), patience);
+  }
 
   /// Its exit code, once it has ended.
   std::optional<int> exitCode() {

@@ -1,20 +1,19 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include <ros/ros.h>
 
-constexpr double kPatience = 30.0;  // [s], for what takes milliseconds on an idle machine
+#include "support/waiting.h"
 
-/// Keeps everything that was said on a topic.
+/// Keeps every message of a topic.
 template <typename Message>
-class Heard {
+class Received {
  public:
-  Heard(ros::NodeHandle& nh, const std::string& topic)
-      : subscriber_(nh.subscribe(topic, 10000, &Heard::take, this, ros::TransportHints().tcpNoDelay())) {}
+  Received(ros::NodeHandle& nh, const std::string& topic)
+      : subscriber_(nh.subscribe(topic, 10000, &Received::take, this, ros::TransportHints().tcpNoDelay())) {}
 
   const std::vector<Message>& messages() const { return messages_; }
   std::uint32_t publishers() const { return subscriber_.getNumPublishers(); }
@@ -27,18 +26,3 @@ class Heard {
   std::vector<Message> messages_;
   ros::Subscriber subscriber_;
 };
-
-/// Serves callbacks until the condition holds, doing something about it every `pace` meanwhile; false when it
-/// does not within kPatience.
-inline bool eventually(
-    const std::function<bool()>& condition, const std::function<void()>& meanwhile = [] {},
-    ros::WallDuration pace = ros::WallDuration(0.002)) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
-  while (ros::ok() && ros::WallTime::now() < end) {
-    ros::spinOnce();
-    if (condition()) return true;
-    meanwhile();
-    pace.sleep();
-  }
-  return condition();
-}

@@ -8,9 +8,9 @@
 
 #include "sightline/core/model/time.h"
 
-namespace sightline_ros {
+namespace sightline::report {
 
-/// A CSV file that cannot be used: "file:line: what, the value, the remedy".
+/// A CSV file with a mistake: "file:line: the mistake, the value, the remedy".
 struct CsvError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -36,7 +36,7 @@ class CsvTable {
   double number(std::size_t row, const std::string& column, const std::string& unit) const;
 
   /// A time in seconds, exact to the nanosecond for plain decimals. Throws CsvError.
-  sightline::core::Time time(std::size_t row, const std::string& column) const;
+  core::Time time(std::size_t row, const std::string& column) const;
 
   /// An error about a row: "file:line: <complaint>".
   CsvError error(std::size_t row, const std::string& complaint) const;
@@ -56,4 +56,4 @@ class CsvTable {
   std::vector<Row> rows_;
 };
 
-}  // namespace sightline_ros
+}  // namespace sightline::report

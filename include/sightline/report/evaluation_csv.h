@@ -5,13 +5,13 @@
 
 #include "sightline/core/evaluation/evaluation.h"
 
-namespace sightline_ros {
+namespace sightline::report {
 
-/// Writes what an evaluation found for programs to read: a header line, a line for each row, whose `target`
-/// is empty, and one for each row of a target; the names are those of EvaluationRow.msg and
-/// EvaluationTarget.msg with `kind` (sightings, tracks, fused_tracks, target) before them. What is not known,
-/// or not said of targets, is empty. Throws std::runtime_error when the file cannot be written.
-void writeEvaluationCsv(const std::string& path, const std::vector<sightline::core::EvaluationRow>& rows,
-                        const std::vector<sightline::core::TargetRow>& targets);
+/// Writes the figures of an evaluation as a CSV file: a header line, a line for each row (`target` is empty)
+/// and a line for each row of a target. The columns are `kind` (sightings, tracks, fused_tracks, target) and
+/// the names of EvaluationRow.msg and EvaluationTarget.msg. An unknown value, or one that targets do not
+/// have, is empty. Throws std::runtime_error when the file cannot be written.
+void writeEvaluationCsv(const std::string& path, const std::vector<core::EvaluationRow>& rows,
+                        const std::vector<core::TargetRow>& targets);
 
-}  // namespace sightline_ros
+}  // namespace sightline::report

@@ -8,30 +8,29 @@
 #include "sightline/core/evaluation/evaluation.h"
 #include "sightline/core/evaluation/track_spans.h"
 
-namespace sightline_ros {
+namespace sightline::report {
 
-/// What can be said of tracks where no truth is known: how the sightings lie about the tracks that were made
-/// of them, and how long the tracks live.
+/// Compares tracks with their own sightings, where no truth is known: the residuals of the sightings, and the
+/// spans of the tracks.
 ///
-/// All reports have to come before the first scan. A scan is compared with the tracks that its sensor
-/// supports, directly or through other trackers. A track's path between its confirmed reports is the cubic
-/// through states and rates. As the track has taken the sightings, residuals are somewhat smaller than the
-/// sightings' errors.
+/// All reports are added before the first scan. A scan is compared with the tracks that its sensor supports,
+/// directly or through other trackers. Between its confirmed reports a track is interpolated by the cubic
+/// through states and rates. The sightings have updated the track, so residuals are somewhat smaller than
+/// their errors.
 class ResidualComparison {
  public:
   struct Topic {
     std::string tracker;
     bool fused = false;
     std::set<std::string> sources;  ///< sensors, or trackers
-    sightline::core::TrackSpans spans;
-    sightline::core::Evaluation evaluation;  ///< of the sightings, with the tracks for a truth
+    core::TrackSpans spans;
+    core::Evaluation evaluation;  ///< of the sightings, with the tracks as the truth
   };
 
-  ResidualComparison(const sightline::core::EvaluationParams& params,
-                     const sightline::core::ScoreListener& listener);
+  ResidualComparison(const core::EvaluationParams& params, const core::ScoreListener& listener);
 
-  void addTracks(const std::string& topic, const sightline::core::TrackReport& report);
-  void addScan(const std::string& topic, const sightline::core::Scan& scan);
+  void addTracks(const std::string& topic, const core::TrackReport& report);
+  void addScan(const std::string& topic, const core::Scan& scan);
 
   /// By topic of the tracks.
   const std::map<std::string, Topic>& topics() const { return topics_; }
@@ -40,9 +39,9 @@ class ResidualComparison {
   Topic& topicOf(const std::string& name);
   bool isMadeOf(const Topic& topic, const std::string& sensor, int depth = 0) const;
 
-  sightline::core::EvaluationParams params_;
-  sightline::core::ScoreListener listener_;
+  core::EvaluationParams params_;
+  core::ScoreListener listener_;
   std::map<std::string, Topic> topics_;
 };
 
-}  // namespace sightline_ros
+}  // namespace sightline::report

@@ -3,31 +3,32 @@
 #include <fstream>
 #include <string>
 
-#include "sightline/core/evaluation/scores.h"
+#include "sightline/core/evaluation/score_listener.h"
 
-namespace sightline_ros {
+namespace sightline::report {
 
-/// Writes what an evaluation compared, for plotting: in a folder, made when it is not there,
+/// Writes everything that an evaluation scores, for plotting, into a folder that is created when it is
+/// missing:
 ///   errors.csv   topic,name,time,target,track,azimuth,elevation,truth_azimuth,truth_elevation,error_azimuth,
 ///                error_elevation,sigma_azimuth,sigma_elevation,nees_position,nees_state   (errors are arcs
 ///                [rad])
 ///   gospa.csv    topic,time,distance,localisation,missed,false,ospa
-/// with what is not known left empty.
-class JudgementFiles {
+/// Unknown values are left empty.
+class ScoreFiles {
  public:
   /// Throws std::runtime_error when the folder cannot be written.
-  explicit JudgementFiles(const std::string& folder);
-  JudgementFiles(const JudgementFiles&) = delete;
-  JudgementFiles& operator=(const JudgementFiles&) = delete;
+  explicit ScoreFiles(const std::string& folder);
+  ScoreFiles(const ScoreFiles&) = delete;
+  ScoreFiles& operator=(const ScoreFiles&) = delete;
 
-  /// Writes as long as this lives.
-  sightline::core::ScoreListener listener();
+  /// The listener that writes. It must not be called after this object is destroyed.
+  core::ScoreListener listener();
 
  private:
-  void write(const sightline::core::ScoredPair& pair);
-  void write(const sightline::core::ScoredReport& report);
+  void write(const core::ScoredPair& pair);
+  void write(const core::ScoredReport& report);
 
   std::ofstream errors_, gospa_;
 };
 
-}  // namespace sightline_ros
+}  // namespace sightline::report

@@ -38,9 +38,9 @@ EvaluationRow rowOf(const SightingScore& score, double best_sigma) {
 void fillLives(EvaluationRow& row, const TrackScore& score) {
   row.tracks = score.lives().tracks();
   row.false_tracks = score.lives().falseTracks();
-  row.judged_time = score.judgedTime();
-  if (row.judged_time > 0.0)
-    row.false_tracks_per_hour = kSecondsPerHour * static_cast<double>(row.false_tracks) / row.judged_time;
+  row.scored_time = score.scoredTime();
+  if (row.scored_time > 0.0)
+    row.false_tracks_per_hour = kSecondsPerHour * static_cast<double>(row.false_tracks) / row.scored_time;
   row.purity = score.lives().purity();
   row.completeness = score.appearances().completeness();
   row.appearances = score.appearances().count();
@@ -101,8 +101,8 @@ void Evaluation::addTruth(Time time, const std::map<std::uint32_t, Eigen::Vector
   newest_truth_ = newest_truth_ ? std::max(*newest_truth_, time) : time;
   oldest_truth_ = oldest_truth_ ? std::min(*oldest_truth_, time) : time;
 
-  for (SightingTopic& topic : sighting_topics_) judgeReady(topic);
-  for (TrackTopic& topic : track_topics_) judgeReady(topic);
+  for (SightingTopic& topic : sighting_topics_) scoreReady(topic);
+  for (TrackTopic& topic : track_topics_) scoreReady(topic);
 
   oldest_truth_ = std::max(*oldest_truth_, *newest_truth_ - memory);
   for (auto path = truth_.begin(); path != truth_.end();) {
@@ -114,12 +114,12 @@ void Evaluation::addTruth(Time time, const std::map<std::uint32_t, Eigen::Vector
 void Evaluation::forgetTruth() {
   truth_.clear();
   oldest_truth_ = newest_truth_ = std::nullopt;
-  const auto giveUpWaiting = [](auto& topic) {
-    topic.unjudged += topic.waiting.size();
+  const auto dropWaiting = [](auto& topic) {
+    topic.unscored += topic.waiting.size();
     topic.waiting.clear();
   };
-  std::for_each(sighting_topics_.begin(), sighting_topics_.end(), giveUpWaiting);
-  std::for_each(track_topics_.begin(), track_topics_.end(), giveUpWaiting);
+  std::for_each(sighting_topics_.begin(), sighting_topics_.end(), dropWaiting);
+  std::for_each(track_topics_.begin(), track_topics_.end(), dropWaiting);
   for (TrackTopic& topic : track_topics_) topic.score.restart();
 }
 
@@ -146,7 +146,7 @@ void Evaluation::addTracks(const std::string& topic, TrackReport report) {
 Evaluation::SightingTopic& Evaluation::sightingTopic(const std::string& topic, const std::string& sensor) {
   for (SightingTopic& entry : sighting_topics_) {
     if (entry.score.topic() != topic) continue;
-    if (entry.score.sensor().empty() && !sensor.empty()) {  // it was expected, and is the first of its topic
+    if (entry.score.sensor().empty() && !sensor.empty()) {  // the first sensor of an expected topic
       entry.score = SightingScore(topic, sensor, params_.channels);
     }
     if (entry.score.sensor() == sensor) return entry;
@@ -166,32 +166,32 @@ void Evaluation::await(Topic<Score, Message>& topic, Message message) {
   topic.waiting.push_back(std::move(message));
   while (topic.waiting.back().time - topic.waiting.front().time > durationOf(params_.truth_memory)) {
     topic.waiting.pop_front();
-    ++topic.unjudged;
+    ++topic.unscored;
   }
-  judgeReady(topic);
+  scoreReady(topic);
 }
 
 template <typename Score, typename Message>
-void Evaluation::judgeReady(Topic<Score, Message>& topic) {
+void Evaluation::scoreReady(Topic<Score, Message>& topic) {
   while (!topic.waiting.empty() && newest_truth_ && topic.waiting.front().time <= *newest_truth_) {
     const Message& message = topic.waiting.front();
     if (message.time < *oldest_truth_) {
-      ++topic.unjudged;
+      ++topic.unscored;
     } else {
-      judge(topic, message);
-      last_judged_ = last_judged_ ? std::max(*last_judged_, message.time) : message.time;
+      score(topic, message);
+      last_scored_ = last_scored_ ? std::max(*last_scored_, message.time) : message.time;
     }
     topic.waiting.pop_front();
   }
 }
 
-void Evaluation::judge(SightingTopic& topic, const Scan& scan) {
-  topic.score.judge(scan, targetsAt(scan.time), {params_.sighting_gate, params_.sighting_gate_floor},
-                    listener_);
+void Evaluation::score(SightingTopic& topic, const Scan& scan) {
+  topic.score.add(scan, targetsAt(scan.time), {params_.sighting_gate, params_.sighting_gate_floor},
+                  listener_);
 }
 
-void Evaluation::judge(TrackTopic& topic, const TrackReport& report) {
-  topic.score.judge(report, targetsAt(report.time), matchGate(), listener_);
+void Evaluation::score(TrackTopic& topic, const TrackReport& report) {
+  topic.score.add(report, targetsAt(report.time), matchGate(), listener_);
 }
 
 std::vector<TrueTarget> Evaluation::targetsAt(Time time) const {
@@ -223,7 +223,7 @@ std::vector<EvaluationRow> Evaluation::rows() const {
   std::vector<EvaluationRow> rows;
   const auto addRow = [&](const auto& topic) {
     rows.push_back(rowOf(topic.score, best_sigma));
-    rows.back().unjudged = topic.unjudged + topic.waiting.size();
+    rows.back().unscored = topic.unscored + topic.waiting.size();
   };
   std::for_each(sighting_topics_.begin(), sighting_topics_.end(), addRow);
   std::for_each(track_topics_.begin(), track_topics_.end(), addRow);

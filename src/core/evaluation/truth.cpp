@@ -21,7 +21,7 @@ Eigen::Vector4d fromChart(const Chart& chart, const Eigen::Vector4d& motion) {
 }
 
 /// Between two directions; the first when they are opposite and nothing is between them.
-Eigen::Vector3d signedMedian(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+Eigen::Vector3d between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Vector3d sum = a + b;
   return sum.norm() > 1e-6 ? sum.normalized() : a;
 }
@@ -41,7 +41,7 @@ std::optional<Eigen::Vector4d> interpolate(const TruthSample& before, const Trut
   if (!(length > 0.0) || !(s >= 0.0) || !(s <= 1.0)) return std::nullopt;
 
   const Chart chart =
-      Chart::around(signedMedian(directionOf(before.motion.head<2>()), directionOf(after.motion.head<2>())));
+      Chart::around(between(directionOf(before.motion.head<2>()), directionOf(after.motion.head<2>())));
   const Eigen::Vector4d a = inChart(chart, before.motion), b = inChart(chart, after.motion);
   const Eigen::Vector2d step = b.head<2>() - a.head<2>();
   const Eigen::Vector2d a_slope = length * a.tail<2>(), b_slope = length * b.tail<2>();

@@ -74,14 +74,15 @@ void SpotDetector::smooth() {
   }
 }
 
+/// (S-89), contrast.
 void SpotDetector::removeNeighbourhood() {
   ringMeans(smoothed_, noise_, [](float value) { return static_cast<double>(value); });
   for (std::size_t i = 0; i < contrast_.size(); ++i) contrast_[i] = smoothed_[i] - noise_[i];
 }
 
-/// The noise is what is left when four pixels at kCross round each are taken off it: slopes cancel, and edges
-/// and spots do not reach far. Five fourths of the smoothed image's variance, for noise that is independent
-/// over kCross.
+/// (S-89): the noise is what is left when four pixels at kCross round each are taken off it: slopes cancel,
+/// and edges and spots do not reach far. Five fourths of the smoothed image's variance, for noise that is
+/// independent over kCross.
 void SpotDetector::measureNoise() {
   for (int v = 0; v < height_; ++v) {
     const float* const middle = &smoothed_[static_cast<std::size_t>(at(0, v))];
@@ -144,6 +145,7 @@ void SpotDetector::ringMeans(const std::vector<float>& plane, std::vector<float>
   }
 }
 
+/// (S-89): pixels above the threshold in units of the local noise (CFAR, Finn and Johnson 1968).
 void SpotDetector::findPeaks() {
   using Polarity = SpotDetectorParams::Polarity;
   peaks_.clear();
@@ -164,7 +166,7 @@ void SpotDetector::findPeaks() {
   });
 }
 
-/// Whether at least half of the contrast has been there before.
+/// (S-89): whether at least half of the contrast has been there before.
 bool SpotDetector::isOld(std::size_t pixel) const {
   if (params_.background == SpotDetectorParams::Background::spatial) return false;
   return std::abs(contrast_[pixel] - mean_[pixel]) < 0.5F * std::abs(contrast_[pixel]);
@@ -230,7 +232,7 @@ SpotDetector::Blob SpotDetector::grow(const Peak& peak) {
   return blob;
 }
 
-/// A plane through the ring between guard and neighbourhood, and what is left of the pixels there.
+/// (S-90): a plane fitted to the ring between guard and neighbourhood, and the variance left there.
 SpotDetector::Patch SpotDetector::patchAround(int u, int v) const {
   const int far = params_.neighbourhood, near = params_.guard;
   const double origin = image_[at(u, v)];
@@ -256,9 +258,9 @@ SpotDetector::Patch SpotDetector::patchAround(int u, int v) const {
   return patch;
 }
 
-/// The centre c of a Gaussian window in which the spot is balanced: F(c) = sum w (x - c) d(x) = 0, w as wide
-/// as the spot, d the contrast. Its covariance is that of any such estimate: G^-1 V G^-T with G = dF/dc and V
-/// = variance of F from the noise of the pixels, sigma^2 sum w^2 (x - c)(x - c)'.
+/// (S-90): the centre c of a Gaussian window in which the spot is balanced: F(c) = sum w (x - c) d(x) = 0, w
+/// as wide as the spot, d the contrast. Its covariance is that of any such estimate: G^-1 V G^-T with G =
+/// dF/dc and V = variance of F from the noise of the pixels, sigma^2 sum w^2 (x - c)(x - c)'.
 Spot SpotDetector::locate(const Peak& peak, const Blob& blob) const {
   const Patch patch = patchAround(peak.u, peak.v);
   const double width = std::max(std::sqrt(blob.area / kAreaAtHalf), kNarrowestWindow);
@@ -301,7 +303,7 @@ Spot SpotDetector::locate(const Peak& peak, const Blob& blob) const {
   const double floor = params_.centroid_floor * params_.centroid_floor;
   spot.snr = std::abs(signal) / std::sqrt(noise * window_power);
   if (is_balanced) {
-    const Eigen::Matrix2d G_inverse = G.inverse();  // its determinant was seen to
+    const Eigen::Matrix2d G_inverse = G.inverse();  // `slope` had a positive determinant
     spot.pixel = centre;
     spot.covariance = noise * G_inverse * V * G_inverse.transpose() + floor * Eigen::Matrix2d::Identity();
   } else {  // the peak's pixel, known to the size of the spot
@@ -312,6 +314,7 @@ Spot SpotDetector::locate(const Peak& peak, const Blob& blob) const {
   return spot;
 }
 
+/// (S-89), still background.
 void SpotDetector::learn() {
   ++frames_;
   if (params_.background == SpotDetectorParams::Background::spatial) return;

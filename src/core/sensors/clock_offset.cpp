@@ -10,7 +10,7 @@ namespace sightline::core {
 namespace {
 
 constexpr double kKnownRate = 4.0;     // squared rate over its variance from which a target counts as moving
-constexpr double kLeastNumbers = 100;  // innovations before anything is said
+constexpr double kLeastNumbers = 100;  // innovations before an offset is given
 constexpr double kLargestError = 1.0;  // standard error beyond which an offset is not determined [s]
 
 }  // namespace
@@ -32,10 +32,10 @@ void ClockWatch::take(Time time, const Eigen::Vector2d& nu, const Eigen::Matrix2
     Eigen::Vector3d row = Eigen::Vector3d::Zero();
     row(0) = moves ? rate : 0.0;
     row(channel + 1) = 1.0;
-    information_ += weight * row * row.transpose();
+    information_ += weight * row * row.transpose();  // (S-55)
     noise_ += weight * row * row.transpose();
     vector_ += weight * row * nu(channel);
-    if (moves) {  // what the errors of rate and position, which the track has in common, add on average
+    if (moves) {  // (S-55): what the correlated errors of the track's rate and position add on average
       information_(0, 0) -= weight * rate_variance;
       vector_(0) += weight * expected.covariance(channel, channel + 2);
     }
@@ -48,7 +48,7 @@ std::optional<ClockOffset> ClockWatch::against() const {
   if (numbers_ < kLeastNumbers) return std::nullopt;
   const Eigen::LDLT<Eigen::Matrix3d> ldlt(information_);
   if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 0.0)) return std::nullopt;
-  const Eigen::Vector3d offsets = ldlt.solve(vector_);
+  const Eigen::Vector3d offsets = ldlt.solve(vector_);  // (S-55)
   const Eigen::Matrix3d half = ldlt.solve(noise_);
   const Eigen::Matrix3d covariance = ldlt.solve(half.transpose());
   const double unexplained = std::max(1.0, (squares_ - offsets.dot(vector_)) / numbers_);
@@ -78,6 +78,7 @@ std::vector<ClockFinding> wrongClocks(const std::vector<std::optional<ClockOffse
       const double weight = 1.0 / (against[i]->sigma * against[i]->sigma);
       const double others = weights - weight;
       ClockFinding finding{i, {}, undecided};
+      // (S-56)
       finding.offset.behind = against[i]->behind - (weighted - weight * against[i]->behind) / others;
       finding.offset.sigma = std::sqrt(1.0 / weight + 1.0 / others);
       const double significance = std::abs(finding.offset.behind) / finding.offset.sigma;
@@ -86,7 +87,7 @@ std::vector<ClockFinding> wrongClocks(const std::vector<std::optional<ClockOffse
       worst = finding;
     }
     if (most < params.significance || std::abs(worst.offset.behind) < params.least) break;
-    // Of the last two one is as good as the other: with more before, they are left alone.
+    // Of the last two either may be wrong: when others were found wrong before, these are left alone.
     if (trusted.size() == 2 && !undecided) break;
     findings.push_back(worst);
     trusted.erase(std::find(trusted.begin(), trusted.end(), worst.sensor));

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostSensors = 256;
 constexpr double kFirstProbability = 0.9;     // before anything is known ...
 constexpr double kTrustInProbability = 20.0;  // ... for so many looks
-constexpr double kLeastProbability = 0.05, kMostLearnt = 0.9, kMostTold = 0.99;
+constexpr double kLeastProbability = 0.05, kMostLearned = 0.9, kMostStated = 0.99;
 constexpr double kFirstClutter = 1.0;    // false sightings a scan, before anything is known ...
 constexpr double kTrustInClutter = 1.0;  // ... for so many scans
 constexpr double kLeastClutter = 1e-3;   // of a scan: no sensor is free of it
@@ -33,7 +33,7 @@ const CalibratedDetection& unknownSensor() {
   return unknown;
 }
 
-/// A rectangle whose points have this variance in its two directions has the area 12 sqrt(var var).
+/// (S-47): a rectangle whose points have these variances in its two directions has the area 12 sqrt(var var).
 double solidAngleOf(const CalibratedDetection& sensor) {
   const double first_variance = kFirstSpread * kFirstSpread;
   Eigen::Matrix2d spread = kTrustInSpread * first_variance * Eigen::Matrix2d::Identity();
@@ -50,8 +50,8 @@ double solidAngleOf(const CalibratedDetection& sensor) {
   return std::min(12.0 * std::sqrt(std::max(determinant, 1e-18)), kSphere);
 }
 
-/// All that a scan shows may be false: it counts as such beside what has been learnt, so that the first scans
-/// of a sensor in clutter are not taken for clear ones.
+/// False sightings expected in a scan (S-46). All that the scan shows may be false: it counts as such beside
+/// what has been learned, so that the first scans of a sensor in clutter are not taken for clear ones.
 double clutterOf(const CalibratedDetection& sensor, const Scan& scan) {
   const double shown = static_cast<double>(scan.sightings.size());
   const double mean =
@@ -78,13 +78,13 @@ const CalibratedDetection* DetectionCalibration::find(const std::string& sensor)
 }
 
 double DetectionCalibration::probability(const Scan& scan) const {
-  const double told = scan.detection_probability > 0.0 ? scan.detection_probability : params_.probability;
-  if (told > 0.0) return std::clamp(told, kLeastProbability, kMostTold);
+  const double stated = scan.detection_probability > 0.0 ? scan.detection_probability : params_.probability;
+  if (stated > 0.0) return std::clamp(stated, kLeastProbability, kMostStated);
   const CalibratedDetection* sensor = find(scan.sensor);
   if (sensor == nullptr) return kFirstProbability;
-  const double learnt =
+  const double learned =  // (S-46)
       (sensor->seen + kTrustInProbability * kFirstProbability) / (sensor->looked + kTrustInProbability);
-  return std::clamp(learnt, kLeastProbability, kMostLearnt);
+  return std::clamp(learned, kLeastProbability, kMostLearned);
 }
 
 double DetectionCalibration::solidAngle(const Scan& scan) const {
@@ -94,9 +94,9 @@ double DetectionCalibration::solidAngle(const Scan& scan) const {
 }
 
 double DetectionCalibration::clutterDensity(const Scan& scan) const {
-  const double told = scan.clutter_density >= 0.0 ? scan.clutter_density : params_.clutter_density;
+  const double stated = scan.clutter_density >= 0.0 ? scan.clutter_density : params_.clutter_density;
   const double area = solidAngle(scan);
-  if (told >= 0.0) return std::max(told, kLeastClutter / area);
+  if (stated >= 0.0) return std::max(stated, kLeastClutter / area);
   const CalibratedDetection* sensor = find(scan.sensor);
   return clutterOf(sensor == nullptr ? unknownSensor() : *sensor, scan) / area;
 }
@@ -108,11 +108,11 @@ double DetectionCalibration::clutter(const Scan& scan) const {
 double DetectionCalibration::newTargetOdds(const Scan& scan) const {
   const CalibratedDetection* sensor = find(scan.sensor);
   const double targets = sensor == nullptr ? params_.first_targets : sensor->undiscovered;
-  return targets * probability(scan) / clutter(scan);
+  return targets * probability(scan) / clutter(scan);  // (S-48)
 }
 
 double DetectionCalibration::birthDensity(const Scan& scan, double duration) const {
-  return params_.births * duration / solidAngle(scan);
+  return params_.births * duration / solidAngle(scan);  // (S-43)
 }
 
 void DetectionCalibration::take(const Scan& scan, int looked, int seen,
@@ -125,6 +125,7 @@ void DetectionCalibration::take(const Scan& scan, int looked, int seen,
     sensor->undiscovered = params_.first_targets;
   } else {
     const double since_last = std::clamp(seconds(scan.time - sensor->last_scan), 0.0, kLongest);
+    // (S-48)
     sensor->undiscovered = (1.0 - probability(scan)) * sensor->undiscovered + params_.births * since_last;
   }
   sensor->last_scan = scan.time;

@@ -44,8 +44,8 @@ void NoiseCalibration::take(const std::string& sensor, const Eigen::Vector2d& in
       innovation_squared.cwiseQuotient(expected).cwiseMin(kLargestSurprise).cwiseProduct(track_scale);
   place->sightings = std::min(place->sightings + 1.0, params_.settled);
   const double share = 1.0 / std::min(params_.trust + place->sightings, params_.settled);
-  const double learnt = place->scale * (1.0 + share * (surprise.mean() - 1.0));
-  place->scale = std::clamp(learnt, params_.min_scale, params_.max_scale);
+  const double learned = place->scale * (1.0 + share * (surprise.mean() - 1.0));  // (S-45)
+  place->scale = std::clamp(learned, params_.min_scale, params_.max_scale);
 }
 
 }  // namespace sightline::core

@@ -12,7 +12,7 @@ namespace sightline::core {
 namespace {
 
 constexpr std::size_t kLeastSamples = 20;
-constexpr double kHighest = 1.3;  // elevation beyond which azimuths are no plane's coordinate [rad]
+constexpr double kHighest = 1.3;  // elevation beyond which the azimuth is no coordinate of a plane [rad]
 
 }  // namespace
 
@@ -36,7 +36,7 @@ std::optional<double> Scatter::distanceSquared(const std::array<Chain::Point, 4>
     double product = 1.0;
     for (std::size_t j = 0; j < points.size(); ++j)
       product *= i == j ? 1.0 : seconds(points[i].time - points[j].time) / unit;
-    difference += angleDifference(points[i].angles, points[3].angles) / product;
+    difference += angleDifference(points[i].angles, points[3].angles) / product;  // (S-57)
     covariance += points[i].covariance / (product * product);
   }
   const Eigen::LLT<Eigen::Matrix2d> llt(covariance);
@@ -46,7 +46,7 @@ std::optional<double> Scatter::distanceSquared(const std::array<Chain::Point, 4>
 
 std::optional<double> Scatter::ratio() const {
   if (distances_.size() < kLeastSamples) return std::nullopt;
-  return std::sqrt(*distances_.quantile(0.5) / kChiSquareMedian2);
+  return std::sqrt(*distances_.quantile(0.5) / kChiSquareMedian2);  // (S-57)
 }
 
 }  // namespace sightline::core

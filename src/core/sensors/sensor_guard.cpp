@@ -77,7 +77,7 @@ double signedMedian(double* values, int count) {
   if (count == 0) return 0.0;
   std::sort(values, values + count);
   const double a = values[(count - 1) / 2], b = values[count / 2];
-  if (a * b <= 0.0) return 0.0;
+  if (a * b <= 0.0) return 0.0;  // (S-53)
   return 0.5 * (a + b);
 }
 
@@ -123,6 +123,7 @@ bool SensorGuard::holdsAnything() const {
 double SensorGuard::clockVariance(const std::string& sensor) const {
   const Watch* watch = find(sensor);
   if (watch == nullptr || !watch->wrong_clock || watch->clock_undecided) return 0.0;
+  // (S-56)
   return watch->wrong_clock->behind * watch->wrong_clock->behind +
          watch->wrong_clock->sigma * watch->wrong_clock->sigma;
 }
@@ -152,6 +153,7 @@ bool SensorGuard::isExplainedByBias(const SensorHealth& health, const Innovation
   if (health.verdict() != SensorVerdict::biased) return false;
   const PerChannel u = innovation.nu / (innovation.predicted + innovation.stated).sqrt();
   const PerChannel bias = health.biasSinceChange();
+  // (S-54)
   const double reach = kBiasReach + kBiasShare * std::sqrt(bias.square().sum());
   return (u - bias).square().sum() <= reach * reach;
 }
@@ -188,6 +190,7 @@ void SensorGuard::watch(const Scan& scan, const std::vector<TrackPrediction>& pr
                                       ? isExplainedByBias(watch->health, *nearby.nearest)
                                       : corroboration[i].has_sensor)) {
       const double in_reach = (watch->clutter * watch->scans + 0.5) / (watch->scans + 1);
+      // (S-54)
       const double expected_false = in_reach * nearby.distance_squared / (params_.reach * params_.reach);
       if (expected_false > kMostFalse || isVague(*nearby.nearest)) continue;
       watch->health.take(scan.time, *nearby.nearest);

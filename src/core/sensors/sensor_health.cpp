@@ -12,8 +12,8 @@ constexpr double kMostSigmas = 100.0;    // that an innovation may count for in 
 constexpr double kPriceOfBias = 1.0;     // log likelihood by which a bias, with a parameter more, must win
 constexpr double kWeakEvidence = 3.0;    // of a sum: what came up to there may be from before the change
 constexpr double kLargestShare = 0.1;    // of one instant in the sizes, however seldom the sensor looks
-constexpr double kSecondThoughts = 4.0;  // log likelihood that overturns a verdict
-constexpr double kSharedByChance = 0.3;  // mean innovation of others that says nothing yet [sigma]
+constexpr double kOverturned = 4.0;      // log likelihood that overturns a verdict (S-52)
+constexpr double kSharedByChance = 0.3;  // mean innovation of others that may be chance [sigma] (S-53)
 constexpr double kUnequalShares = 2.0;   // a lag shows by so much more in one sensor than in another
 
 const SensorHealthParams& checked(const SensorHealthParams& params, int channels) {
@@ -37,15 +37,15 @@ PerChannel cut(const PerChannel& values, double most) {
   return values.cwiseMax(-most).cwiseMin(most);
 }
 
-/// By how much a track may be off [sigma] from what the other sensors see.
+/// e of (S-53): the error of the track itself [sigma], as the other sensors show it.
 PerChannel trackError(const Innovation& innovation) {
   if (innovation.shared.size() == 0) return PerChannel::Zero(innovation.nu.size());
   const PerChannel shared = innovation.shared / (innovation.predicted + innovation.stated).sqrt();
   return kUnequalShares * shared.sign() * (shared.abs() - kSharedByChance).cwiseMax(0.0);
 }
 
-/// Log likelihood of what a sum has taken if the noise is the largest that explains it, less that of a bias
-/// which is. Both are up to the same constant.
+/// l_noise - l_bias of (S-52): log likelihood of the innovations in a sum under the variance that explains
+/// them best, less that under the bias that does. Both are up to the same constant.
 double noiseAgainstBias(const SensorHealth::CumulatedSum& sum) {
   const auto channels = static_cast<double>(sum.squares.size());
   const double numbers = channels * sum.sightings;
@@ -63,7 +63,7 @@ void SensorHealth::CumulatedSum::add(double evidence, Time time, const PerChanne
     sightings = ratio = 0.0;
     u = squares = PerChannel::Zero(u_now.size());
   }
-  value = std::max(0.0, value + evidence);
+  value = std::max(0.0, value + evidence);  // (S-49), (S-50)
   note(u_now, ratio_now);
 }
 
@@ -108,28 +108,28 @@ std::optional<HealthChange> SensorHealth::add(Time time, const Innovation& innov
   return judge(time);
 }
 
-/// The sums of section 5.1: one for the variance over both channels, two for the mean of each. What a track
-/// is off by speaks against no sensor; it is never held against one that does not show it.
+/// One sum for the variance over both channels (S-49), two for the mean of each (S-50). The error of the
+/// track itself counts against no sensor, and never against one that does not show it.
 void SensorHealth::cumulate(Time time, const Innovation& innovation, const PerChannel& u, double ratio) {
   const PerChannel expected = innovation.predicted + innovation.stated;
   const PerChannel grown = innovation.predicted + params_.noise_ratio * innovation.stated;
-  const PerChannel error = trackError(innovation);
+  const PerChannel error = trackError(innovation);  // (S-53)
   const PerChannel above = u - error.cwiseMax(0.0), below = -u - (-error).cwiseMax(0.0);
   const PerChannel own = above.cwiseMax(below).cwiseMax(0.0);
   const PerChannel evidence =
       0.5 * (own.square() * expected * (1.0 / expected - 1.0 / grown) + (expected / grown).log());
-  noise_.add(evidence.cwiseMin(params_.largest_evidence).sum(), time, u, ratio);
+  noise_.add(evidence.cwiseMin(params_.largest_evidence).sum(), time, u, ratio);  // (S-49)
   const PerChannel up = cut(above, params_.largest_innovation), down = cut(below, params_.largest_innovation);
-  for (int channel = 0; channel < u.size(); ++channel) {
+  for (int channel = 0; channel < u.size(); ++channel) {  // (S-50)
     above_[channel].add(up(channel) - params_.bias_slack, time, u, ratio);
     below_[channel].add(down(channel) - params_.bias_slack, time, u, ratio);
   }
 }
 
-/// The sizes, v and m of section 5.1; an instant counts as one however many innovations it brings.
+/// The sizes v and m (S-51). All innovations of one instant count as one.
 void SensorHealth::average(Time time, const PerChannel& u, double ratio) {
   if (time != last_ || innovations_ == 0) {
-    share_ = -std::expm1(-seconds(time - last_) / params_.memory);
+    share_ = -std::expm1(-seconds(time - last_) / params_.memory);  // (S-51)
     if (params_.form == HealthForm::refined) share_ = std::min(share_, kLargestShare);
     scale_before_ = scale_;
     mean_before_ = mean_;
@@ -149,7 +149,7 @@ void SensorHealth::average(Time time, const PerChannel& u, double ratio) {
 std::optional<HealthChange> SensorHealth::judge(Time time) {
   if (verdict_ == SensorVerdict::healthy) return alarm(time);
   if (hasRecovered(time)) return change(time, time, SensorVerdict::healthy);
-  if (params_.form == HealthForm::refined) return secondThought(time);
+  if (params_.form == HealthForm::refined) return reconsider(time);
   return std::nullopt;
 }
 
@@ -170,29 +170,31 @@ std::optional<HealthChange> SensorHealth::alarm(Time time) {
   since_change_ = noise_alarms ? noise_ : bias;
   bool is_noise = noise_alarms;
   if (params_.form == HealthForm::refined) {
-    is_noise = noiseAgainstBias(since_change_) > -kPriceOfBias;
+    is_noise = noiseAgainstBias(since_change_) > -kPriceOfBias;  // (S-52)
     scale_ = since_change_.ratio / since_change_.sightings;
   }
   if (is_noise) scale_ = std::max(scale_, params_.least_scale);
   return change(time, since_change_.began, is_noise ? SensorVerdict::noisy : SensorVerdict::biased);
 }
 
-/// A sensor that turned out to be the other kind of harm: said with the time at which it began.
-std::optional<HealthChange> SensorHealth::secondThought(Time time) {
+/// Overturns a verdict when the other fault explains the innovations better (S-52). The change is reported
+/// with the time at which the fault began.
+std::optional<HealthChange> SensorHealth::reconsider(Time time) {
   scale_ = since_change_.ratio / since_change_.sightings;
   const double noise_lead = noiseAgainstBias(since_change_);
   const bool was_noise = verdict_ == SensorVerdict::noisy;
-  if (was_noise ? noise_lead > -kSecondThoughts : noise_lead < kSecondThoughts) return std::nullopt;
+  if (was_noise ? noise_lead > -kOverturned : noise_lead < kOverturned) return std::nullopt;
   return change(time, last_change_->began, was_noise ? SensorVerdict::biased : SensorVerdict::noisy);
 }
 
+/// (S-51), release.
 bool SensorHealth::hasRecovered(Time time) const {
   if (verdict_ == SensorVerdict::noisy) return scale_ < params_.noise_release;
   return mean_.abs().maxCoeff() < params_.bias_release &&
          seconds(time - last_change_->time) >= params_.least_exclusion;
 }
 
-/// From here on the sums start anew.
+/// Records a change of the verdict; the sums start anew.
 HealthChange SensorHealth::change(Time time, Time began, SensorVerdict verdict) {
   noise_ = {};
   above_ = below_ = {};

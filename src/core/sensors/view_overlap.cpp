@@ -8,7 +8,7 @@ namespace sightline::core {
 namespace {
 
 constexpr double kSameTime = 0.15;  // [s]
-constexpr double kShare = 0.5;      // of the scans, in which one glimpse is of what others see
+constexpr double kShare = 0.5;      // of the scans, in which one glimpse is of what others see, too (S-58)
 constexpr std::size_t kLeast = 10;
 
 }  // namespace
@@ -31,6 +31,7 @@ std::optional<double> separation(const std::vector<Glimpse>& mine, const std::ve
     scans += is_same_scan ? 0 : 1;
   }
   if (distances.size() < kLeast) return std::nullopt;
+  // (S-58)
   const auto place = static_cast<std::ptrdiff_t>(kShare * static_cast<double>(scans));
   std::nth_element(distances.begin(), distances.begin() + place, distances.end());
   return distances[static_cast<std::size_t>(place)];

@@ -25,7 +25,7 @@ AngularMotion together(const Channel& azimuth, const Channel& elevation) {
 Channel effectOf(const AccelerationPiece& piece, double time) {
   if (time <= piece.from) return {};
   const double t = std::min(time, piece.to) - piece.from;
-  const TurningIntegrals integrals = turningIntegrals(piece.frequency * t);
+  const TurningIntegrals integrals = turningIntegrals(piece.frequency * t);  // (S-86)
   const std::complex<double> swing = std::polar(piece.amplitude, piece.phase);
   Channel effect;
   effect.rate = t * (piece.constant + std::imag(swing * integrals.once));
@@ -44,20 +44,20 @@ Channel weaveChannel(double angle, double rate, const std::vector<AccelerationPi
   return sum;
 }
 
-std::optional<std::string> faultOfPieces(const std::vector<AccelerationPiece>& pieces) {
+std::optional<Refusal> refusalOfPieces(const std::vector<AccelerationPiece>& pieces) {
   for (const AccelerationPiece& piece : pieces) {
     if (piece.to > piece.from && piece.from >= 0.0) continue;
     std::ostringstream why;
     why << "a piece of acceleration must start at or after 0 s and end after its start, got [" << piece.from
         << ", " << piece.to << ") s";
-    return why.str();
+    return Refusal{"weave", why.str()};
   }
   return std::nullopt;
 }
 
-/// Integrated Brownian motion of one channel, found by halving: the ends of an interval are drawn first, then
-/// its middle given the ends, down to the grid. Any time is reached from the seed alone in a few tens of
-/// draws.
+/// Integrated Brownian motion of one channel (S-87), found by halving (Levy 1948): the ends of an interval
+/// are drawn first, then its middle given the ends, down to the grid. Any time is reached from the seed alone
+/// in a few tens of draws.
 class BrownianPath {
  public:
   explicit BrownianPath(double density) : density_(density) {}
@@ -79,14 +79,14 @@ class BrownianPath {
  private:
   static constexpr double kGrid = 0x1p-10;  // [s]
 
-  /// Later state of a white-acceleration motion: x + h v, v, with Q = q [[h^3/3, h^2/2], [h^2/2, h]].
+  /// (S-87), later state of a white-acceleration motion: x + h v, v, with Q = q [[h^3/3, h^2/2], [h^2/2, h]].
   Channel forward(const Channel& start, double h, const Eigen::Vector2d& draw) const {
     const double turn = std::sqrt(density_ * h) * draw.x();  // of the rate
     const double rest = std::sqrt(density_ * h * h * h / 12.0) * draw.y();
     return {start.angle + h * start.rate + 0.5 * h * turn + rest, start.rate + turn};
   }
 
-  /// The state in the middle given both ends, each h away: the cubic between them plus independent
+  /// (S-87), the state in the middle given both ends, each h away: the cubic between them plus independent
   /// errors of variance q h^3/24 (angle) and q h/8 (rate).
   Channel middle(const Channel& start, const Channel& end, double h, const Eigen::Vector2d& draw) const {
     Channel middle = cubic(start, end, 2.0 * h, 0.5);
@@ -172,31 +172,33 @@ AngularState onSphere(const AngularMotion& motion) {
   return state;
 }
 
-std::optional<std::string> faultOf(const Sinusoid& sinusoid) {
+std::optional<Refusal> refusalOf(const Sinusoid& sinusoid) {
   const bool finite = sinusoid.amplitude.allFinite() && sinusoid.frequency.allFinite() &&
                       sinusoid.phase.allFinite() && sinusoid.offset.allFinite();
-  if (!finite) return "every parameter of a sinusoid must be finite";
+  if (!finite) return Refusal{"sinusoid", "every parameter of a sinusoid must be finite"};
   return std::nullopt;
 }
 
-std::optional<std::string> faultOf(const AngularLine& line) {
-  if (!line.angles.allFinite() || !line.rates.allFinite()) return "angles and rates of a line must be finite";
+std::optional<Refusal> refusalOf(const AngularLine& line) {
+  if (!line.angles.allFinite() || !line.rates.allFinite())
+    return Refusal{"line", "angles and rates of a line must be finite"};
   return std::nullopt;
 }
 
-std::optional<std::string> faultOf(const Weave& weave) {
+std::optional<Refusal> refusalOf(const Weave& weave) {
   if (!weave.angles.allFinite() || !weave.rates.allFinite())
-    return "angles and rates of a weave must be finite";
-  if (auto fault = faultOfPieces(weave.azimuth)) return "azimuth: " + *fault;
-  if (auto fault = faultOfPieces(weave.elevation)) return "elevation: " + *fault;
+    return Refusal{"weave", "angles and rates of a weave must be finite"};
+  if (auto refusal = refusalOfPieces(weave.azimuth)) return Refusal{"weave", "azimuth: " + refusal->detail};
+  if (auto refusal = refusalOfPieces(weave.elevation))
+    return Refusal{"weave", "elevation: " + refusal->detail};
   return std::nullopt;
 }
 
-std::optional<std::string> faultOf(const WhiteAcceleration& path) {
+std::optional<Refusal> refusalOf(const WhiteAcceleration& path) {
   if (path.density >= 0.0 && std::isfinite(path.density)) return std::nullopt;
   std::ostringstream why;
   why << "the density of a white acceleration must be at least 0 rad^2/s^3, got " << path.density;
-  return why.str();
+  return Refusal{"white acceleration", why.str()};
 }
 
 }  // namespace sightline::core

@@ -38,7 +38,7 @@ std::vector<Phase> phasesOf(const Boost& boost) {
 }
 
 PlaneMotion fly(const PlaneMotion& start, const Phase& phase, double t) {
-  const TurningIntegrals integrals = turningIntegrals(phase.turn_rate * t);
+  const TurningIntegrals integrals = turningIntegrals(phase.turn_rate * t);  // (S-86)
   const std::complex<double> thrust = std::polar(phase.acceleration, phase.elevation);
   const std::complex<double> once = thrust * integrals.once, twice = thrust * integrals.twice;
   PlaneMotion end;
@@ -90,13 +90,13 @@ PlaneMotion planeMotionAt(const Boost& boost, double time) {
   return motion;
 }
 
-std::optional<std::string> faultOf(const BoostStage& stage) {
+std::optional<Refusal> refusalOf(const BoostStage& stage) {
   std::ostringstream why;
   if (!(stage.acceleration >= 0.0) || !(stage.burn > 0.0) || !(stage.coast >= 0.0) ||
       !std::isfinite(stage.burn) || !std::isfinite(stage.coast)) {
     why << "a stage needs an acceleration >= 0 m/s^2, a burn > 0 s and a coast >= 0 s, got "
         << stage.acceleration << " m/s^2, " << stage.burn << " s and " << stage.coast << " s";
-    return why.str();
+    return Refusal{"boost", why.str()};
   }
   return std::nullopt;
 }
@@ -133,38 +133,38 @@ SpatialMotion motionAt(const SpatialRoute& route, double time) {
   return {passage.place, passage.rate};
 }
 
-std::optional<std::string> faultOf(const StraightFlight& flight) {
+std::optional<Refusal> refusalOf(const StraightFlight& flight) {
   if (!flight.position.allFinite() || !flight.velocity.allFinite()) {
-    return "position and velocity of a straight flight must be finite";
+    return Refusal{"flight", "position and velocity of a straight flight must be finite"};
   }
   return std::nullopt;
 }
 
-std::optional<std::string> faultOf(const ZenithPass& pass) {
+std::optional<Refusal> refusalOf(const ZenithPass& pass) {
   std::ostringstream why;
   if (!(pass.altitude > 0.0)) {
     why << "the altitude of a zenith pass must be above 0 m, got " << pass.altitude;
-    return why.str();
+    return Refusal{"zenith pass", why.str()};
   }
   if (!(std::abs(pass.zenith_distance) < kPi / 2.0)) {
     why << "the zenith distance must be within +-pi/2 rad, got " << pass.zenith_distance
         << "; are these degrees?";
-    return why.str();
+    return Refusal{"zenith pass", why.str()};
   }
   return std::nullopt;
 }
 
-std::optional<std::string> faultOf(const Boost& boost) {
-  if (boost.stages.empty()) return "a boost needs at least one stage";
+std::optional<Refusal> refusalOf(const Boost& boost) {
+  if (boost.stages.empty()) return Refusal{"boost", "a boost needs at least one stage"};
   for (const BoostStage& stage : boost.stages) {
-    if (auto fault = faultOf(stage)) return fault;
+    if (auto refusal = refusalOf(stage)) return refusal;
   }
   const double lift = boost.stages.front().acceleration * std::sin(boost.stages.front().elevation_start);
   if (lift > kGravity) return std::nullopt;
   std::ostringstream why;
   why << "the first stage does not lift off: its thrust pushes up with " << lift
       << " m/s^2 against gravity's " << kGravity << " m/s^2; raise its acceleration or its elevation_start";
-  return why.str();
+  return Refusal{"boost", why.str()};
 }
 
 }  // namespace sightline::core

@@ -38,29 +38,30 @@ PlatformState stateAt(const OrbitPlatform& orbit, double time) {
   return {orbit.centre + orbit.radius * outward, velocity, alongCourse(velocity, orbit.attitude)};
 }
 
-std::optional<std::string> fault(const FixedPlatform& fixed) {
+std::optional<Refusal> refusalOf(const FixedPlatform& fixed) {
   if (fixed.position.allFinite() && fixed.attitude.allFinite()) return std::nullopt;
-  return "position and attitude of a fixed platform must be finite";
+  return Refusal{"fixed platform", "position and attitude of a fixed platform must be finite"};
 }
 
-std::optional<std::string> fault(const StraightPlatform& straight) {
+std::optional<Refusal> refusalOf(const StraightPlatform& straight) {
   if (!straight.position.allFinite() || !straight.velocity.allFinite() || !straight.attitude.allFinite()) {
-    return "position, velocity and attitude of a straight platform must be finite";
+    return Refusal{"straight platform",
+                   "position, velocity and attitude of a straight platform must be finite"};
   }
   if (straight.swing.allFinite() && straight.swing_period > 0.0) return std::nullopt;
   std::ostringstream why;
   why << "the swing of a straight platform must be finite and its swing_period above 0 s, got "
       << straight.swing_period << " s";
-  return why.str();
+  return Refusal{"straight platform", why.str()};
 }
 
-std::optional<std::string> fault(const OrbitPlatform& orbit) {
+std::optional<Refusal> refusalOf(const OrbitPlatform& orbit) {
   const bool moves = orbit.radius > 0.0 && std::isfinite(orbit.angular_rate) && orbit.angular_rate != 0.0;
   if (moves && orbit.centre.allFinite() && orbit.attitude.allFinite()) return std::nullopt;
   std::ostringstream why;
   why << "an orbit needs a radius > 0 m and an angular rate that is not 0 rad/s, got " << orbit.radius
       << " m and " << orbit.angular_rate << " rad/s; for a platform that stands still use the motion fixed";
-  return why.str();
+  return Refusal{"orbit", why.str()};
 }
 
 }  // namespace
@@ -76,8 +77,8 @@ PlatformState platformAt(const PlatformMotion& motion, double time) {
   return std::visit([time](const auto& kind) { return stateAt(kind, time); }, motion);
 }
 
-std::optional<std::string> faultOf(const PlatformMotion& motion) {
-  return std::visit([](const auto& kind) { return fault(kind); }, motion);
+std::optional<Refusal> refusalOf(const PlatformMotion& motion) {
+  return std::visit([](const auto& kind) { return refusalOf(kind); }, motion);
 }
 
 }  // namespace sightline::core

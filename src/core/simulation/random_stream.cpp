@@ -32,13 +32,13 @@ double RandomStream::uniform() {
 }
 
 Eigen::Vector2d RandomStream::normalPair() {
-  const double radius = std::sqrt(-2.0 * std::log1p(-uniform()));  // Box and Muller
+  const double radius = std::sqrt(-2.0 * std::log1p(-uniform()));  // (S-84), Box and Muller 1958
   const double angle = kTwoPi * uniform();
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
 unsigned RandomStream::poisson(double mean) {
-  // Arrivals of a process of rate one within `mean`: no product that could underflow.
+  // (S-84): arrivals of a process of rate one within `mean`; no product that could underflow.
   unsigned arrivals = 0;
   double elapsed = -std::log1p(-uniform());
   while (elapsed < mean) {

@@ -30,7 +30,7 @@ class Legs {
   Place step(int leg) const { return difference(point(leg + 1).place, point(leg).place); }
   Place secant(int leg) const { return step(leg) / length(leg); }
 
-  /// Rate at the start of a leg: of the parabola through the waypoint and its neighbours. An open
+  /// (S-88): rate at the start of a leg, of the parabola through the waypoint and its neighbours. An open
   /// route starts and ends with the rate of its first and last secant.
   Place tangent(int leg) const {
     const bool first = leg == 0, beyond = leg == last_ + 1;
@@ -56,7 +56,7 @@ class Legs {
   int last_;
 };
 
-/// Cubic Hermite interpolation from the start of a leg.
+/// (S-88): cubic Hermite interpolation from the start of a leg.
 template <int N>
 Passage<N> onLeg(const Legs<N>& legs, int leg, double time) {
   const double h = legs.length(leg), u = (time - legs.point(leg).time) / h;
@@ -90,30 +90,32 @@ Passage<N> passageAt(const Route<N>& route, double time) {
 }
 
 template <int N>
-std::optional<std::string> faultOf(const Route<N>& route) {
+std::optional<Refusal> refusalOf(const Route<N>& route) {
   std::ostringstream why;
   const std::size_t least = route.loop ? 3 : 2;
   if (route.points.size() < least) {
     why << "a " << (route.loop ? "loop" : "route") << " needs at least " << least << " waypoints, got "
         << route.points.size();
-    return why.str();
+    return Refusal{"route", why.str()};
   }
   for (std::size_t i = 1; i < route.points.size(); ++i) {
     if (route.points[i].time > route.points[i - 1].time) continue;
     why << "waypoint times must ascend: waypoint " << i + 1 << " at " << route.points[i].time << " s follows "
         << route.points[i - 1].time << " s";
-    return why.str();
+    return Refusal{"route", why.str()};
   }
   if (route.loop && difference(route.points.back().place, route.points.front().place).norm() > kClosed) {
-    return "the last waypoint of a loop must be the place of the first: repeat it at the end, or set loop to "
-           "false";
+    return Refusal{
+        "route",
+        "the last waypoint of a loop must be the place of the first: repeat it at the end, or set loop to "
+        "false"};
   }
   return std::nullopt;
 }
 
 template Passage<2> passageAt(const Route<2>&, double);
 template Passage<3> passageAt(const Route<3>&, double);
-template std::optional<std::string> faultOf(const Route<2>&);
-template std::optional<std::string> faultOf(const Route<3>&);
+template std::optional<Refusal> refusalOf(const Route<2>&);
+template std::optional<Refusal> refusalOf(const Route<3>&);
 
 }  // namespace sightline::core

@@ -12,42 +12,42 @@ bool isThere(const Target& target, double time) {
   return target.start <= time && time < target.end;
 }
 
-std::optional<std::string> faultOf(const Target& target) {
+std::optional<Refusal> refusalOf(const Target& target) {
   std::ostringstream why;
-  if (target.id == 0) return "its id must be above 0";
+  if (target.id == 0) return Refusal{"target", "its id must be above 0"};
   if (!(target.start >= 0.0 && target.end > target.start)) {
     why << "it must start at or after 0 s and end after its start, got [" << target.start << ", "
         << target.end << ") s";
-    return why.str();
+    return Refusal{"target", why.str()};
   }
   for (const Interval& interval : target.invisible) {
-    if (auto fault = faultOf(interval, "a time in which it is invisible")) return fault;
+    if (auto refusal = refusalOf(interval, "a time in which it is invisible")) return refusal;
   }
-  return faultOf(target.trajectory);
+  return refusalOf(target.trajectory);
 }
 
-std::optional<std::string> faultOfTargets(const std::vector<Target>& targets) {
+std::optional<Refusal> refusalOfTargets(const std::vector<Target>& targets) {
   std::set<std::uint32_t> ids;
   for (const Target& target : targets) {
-    const std::string name = "target " + std::to_string(target.id) + ": ";
-    if (auto fault = faultOf(target)) return name + *fault;
-    if (!ids.insert(target.id).second) return name + "its id is given twice";
+    const std::string name = "target " + std::to_string(target.id);
+    if (const auto refusal = refusalOf(target)) return Refusal{name, refusal->detail};
+    if (!ids.insert(target.id).second) return Refusal{name, "its id is given twice"};
   }
   return std::nullopt;
 }
 
-std::optional<std::string> faultOfSensors(const std::vector<SimulatedSensor>& sensors) {
+std::optional<Refusal> refusalOfSensors(const std::vector<SimulatedSensor>& sensors) {
   std::set<std::string> names;
   std::map<std::string, const SimulatedSensor*> sequences;
   for (const SimulatedSensor& sensor : sensors) {
-    const std::string name = "sensor " + sensor.name + ": ";
-    if (auto fault = faultOf(sensor)) return name + *fault;
-    if (!names.insert(sensor.name).second) return name + "its name is given twice";
+    const std::string name = "sensor " + sensor.name;
+    if (const auto refusal = refusalOf(sensor)) return Refusal{name, refusal->detail};
+    if (!names.insert(sensor.name).second) return Refusal{name, "its name is given twice"};
     if (sensor.sequence.empty()) continue;
     const SimulatedSensor* first = sequences.emplace(sensor.sequence, &sensor).first->second;
     if (!(sensor.timing == first->timing)) {
-      return name + "it shares the sequence " + sensor.sequence + " with " + first->name +
-             " and must have the same timing";
+      return Refusal{name, "it shares the sequence " + sensor.sequence + " with " + first->name +
+                               " and must have the same timing"};
     }
   }
   return std::nullopt;
@@ -75,12 +75,12 @@ std::optional<Eigen::Vector3d> directionFromSensor(const SimulatedSensor& sensor
   return R_platform_sensor(sensor).transpose() * platform.R_world_platform.transpose() * *direction_world;
 }
 
-std::optional<std::string> faultOf(const Scenario& scenario) {
+std::optional<Refusal> refusalOf(const Scenario& scenario) {
   if (!(scenario.duration > 0.0))
-    return "the duration must be above 0 s, got " + std::to_string(scenario.duration);
-  if (auto fault = faultOf(scenario.platform)) return "platform: " + *fault;
-  if (auto fault = faultOfTargets(scenario.targets)) return fault;
-  return faultOfSensors(scenario.sensors);
+    return Refusal{"duration", "it must be above 0 s, got " + std::to_string(scenario.duration)};
+  if (const auto refusal = refusalOf(scenario.platform)) return Refusal{"platform", refusal->detail};
+  if (auto refusal = refusalOfTargets(scenario.targets)) return refusal;
+  return refusalOfSensors(scenario.sensors);
 }
 
 }  // namespace sightline::core

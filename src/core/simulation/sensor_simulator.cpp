@@ -11,7 +11,7 @@ namespace sightline::core {
 namespace {
 
 const Scenario& checked(const Scenario& scenario) {
-  if (auto fault = faultOf(scenario)) throw std::invalid_argument(*fault);
+  if (const auto refusal = refusalOf(scenario)) throw std::invalid_argument(textOf(*refusal));
   return scenario;
 }
 
@@ -131,7 +131,7 @@ void SensorSimulator::addTargets(SimulatedScan& simulated, double time) {
     // Drawn at each exposure, seen or not, so that the n-th exposure has the same draws whatever else
     // changes.
     const Eigen::Vector2d draw = target_streams_[i].noise.normalPair();
-    const bool detected = target_streams_[i].detection.uniform() < sensor_.detection_probability;
+    const bool detected = target_streams_[i].detection.uniform() < sensor_.detection_probability;  // (S-84)
     const Target& target = scenario_.targets[i];
     const auto direction = directionFromSensor(sensor_, platform, target, time);
     if (!detected || !direction || !isVisible(target, time) || !inView(sensor_, *direction)) continue;
@@ -144,7 +144,7 @@ void SensorSimulator::addTargets(SimulatedScan& simulated, double time) {
 
 void SensorSimulator::addClutter(SimulatedScan& simulated) {
   const double half_azimuth = sensor_.field_of_view.x(), top = std::sin(sensor_.field_of_view.y());
-  const unsigned count = clutter_.poisson(sensor_.clutter_density * solidAngle(sensor_));
+  const unsigned count = clutter_.poisson(sensor_.clutter_density * solidAngle(sensor_));  // (S-84)
   for (unsigned i = 0; i < count; ++i) {
     const double azimuth = half_azimuth * (2.0 * clutter_.uniform() - 1.0);
     const double elevation = std::asin(top * (2.0 * clutter_.uniform() - 1.0));  // uniform in solid angle

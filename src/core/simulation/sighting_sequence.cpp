@@ -46,7 +46,7 @@ Duration SightingSequence::next() {
   return time;
 }
 
-std::optional<std::string> faultOf(const SightingTiming& timing) {
+std::optional<Refusal> refusalOf(const SightingTiming& timing) {
   std::ostringstream why;
   if (!(timing.first >= 0.0) || !std::isfinite(timing.first)) {
     why << "the first exposure must be at or after 0 s, got " << timing.first;
@@ -61,7 +61,7 @@ std::optional<std::string> faultOf(const SightingTiming& timing) {
   } else {
     return std::nullopt;
   }
-  return why.str();
+  return Refusal{"timing", why.str()};
 }
 
 }  // namespace sightline::core

@@ -14,25 +14,25 @@ bool within(double value, double low, double high) {
   return value >= low && value <= high;
 }
 
-std::optional<std::string> faultOfOptics(const SimulatedSensor& sensor) {
+std::optional<Refusal> refusalOfOptics(const SimulatedSensor& sensor) {
   std::ostringstream why;
   const Eigen::Vector2d& view = sensor.field_of_view;
   if (!(view.x() > 0.0 && view.x() <= kPi && view.y() > 0.0 && view.y() <= kPi / 2.0)) {
     why << "the field of view must have half widths in (0, pi] and (0, pi/2] rad, got " << view.x() << " and "
         << view.y() << "; are these degrees?";
-    return why.str();
+    return Refusal{"sensor", why.str()};
   }
   if (!(sensor.ifov > 0.0 && sensor.ifov <= kPi)) {
     why << "the ifov must be in (0, pi] rad, got " << sensor.ifov;
-    return why.str();
+    return Refusal{"sensor", why.str()};
   }
   if (!sensor.mount_position.allFinite() || !sensor.mount_attitude.allFinite()) {
-    return "the mount's position and attitude must be finite";
+    return Refusal{"sensor", "the mount's position and attitude must be finite"};
   }
   return std::nullopt;
 }
 
-std::optional<std::string> faultOfErrors(const SimulatedSensor& sensor) {
+std::optional<Refusal> refusalOfErrors(const SimulatedSensor& sensor) {
   std::ostringstream why;
   if (!(within(sensor.sigma.minCoeff(), 1e-9, kPi / 2.0) &&
         within(sensor.sigma.maxCoeff(), 1e-9, kPi / 2.0))) {
@@ -55,17 +55,17 @@ std::optional<std::string> faultOfErrors(const SimulatedSensor& sensor) {
   } else {
     return std::nullopt;
   }
-  return why.str();
+  return Refusal{"sensor", why.str()};
 }
 
 }  // namespace
 
-std::optional<std::string> faultOf(const Interval& interval, const char* kind) {
+std::optional<Refusal> refusalOf(const Interval& interval, const char* what) {
   if (interval.from >= 0.0 && interval.to > interval.from) return std::nullopt;
   std::ostringstream why;
-  why << kind << " must start at or after 0 s and end after its start, got [" << interval.from << ", "
+  why << what << " must start at or after 0 s and end after its start, got [" << interval.from << ", "
       << interval.to << ") s";
-  return why.str();
+  return Refusal{"interval", why.str()};
 }
 
 Eigen::Matrix3d R_platform_sensor(const SimulatedSensor& sensor) {
@@ -87,21 +87,21 @@ double solidAngle(const SimulatedSensor& sensor) {
 Eigen::Vector2d statedSigma(const SimulatedSensor& sensor, const Eigen::Vector2d& angles_sensor) {
   return (sensor.sigma.array().square() + (sensor.relative_sigma * angles_sensor.array()).square())
       .sqrt()
-      .matrix();
+      .matrix();  // (S-84)
 }
 
-std::optional<std::string> faultOf(const SimulatedSensor& sensor) {
-  if (sensor.name.empty()) return "a sensor needs a name";
-  if (auto fault = faultOfOptics(sensor)) return fault;
-  if (auto fault = faultOfErrors(sensor)) return fault;
-  if (auto fault = faultOf(sensor.timing)) return fault;
+std::optional<Refusal> refusalOf(const SimulatedSensor& sensor) {
+  if (sensor.name.empty()) return Refusal{"sensor", "a sensor needs a name"};
+  if (auto refusal = refusalOfOptics(sensor)) return refusal;
+  if (auto refusal = refusalOfErrors(sensor)) return refusal;
+  if (auto refusal = refusalOf(sensor.timing)) return refusal;
   for (const Interval& outage : sensor.outages) {
-    if (auto fault = faultOf(outage, "an outage")) return fault;
+    if (auto refusal = refusalOf(outage, "an outage")) return refusal;
   }
   for (const Degradation& degradation : sensor.degradations) {
-    if (auto fault = faultOf(degradation.interval, "a degradation")) return fault;
+    if (auto refusal = refusalOf(degradation.interval, "a degradation")) return refusal;
     if (!(degradation.sigma_scale >= 0.0) || !degradation.bias.allFinite()) {
-      return "a degradation needs a sigma_scale of at least 0 and a finite bias";
+      return Refusal{"sensor", "a degradation needs a sigma_scale of at least 0 and a finite bias"};
     }
   }
   return std::nullopt;

@@ -15,7 +15,7 @@ std::optional<AngularState> seenFrom(const PlatformState& platform, const Spatia
   if (range < kSmallestRange) return std::nullopt;
   const Eigen::Vector3d direction = line_of_sight / range;
   AngularState state;
-  // The part of the velocity along the line of sight does not turn it: the Jacobian's rows are normal to it.
+  // (S-85). The velocity along the line of sight does not turn it: the Jacobian's rows are normal to it.
   state.mean << anglesOf(direction),
       anglesJacobian(direction) * (motion.velocity - platform.velocity) / range;
   return state;
@@ -43,8 +43,8 @@ std::optional<Eigen::Vector3d> directionSeenFrom(const Eigen::Vector3d& point, c
   return std::visit([&](const auto& kind) { return directionFrom(point, motionAt(kind, time)); }, trajectory);
 }
 
-std::optional<std::string> faultOf(const Trajectory& trajectory) {
-  return std::visit([](const auto& kind) { return faultOf(kind); }, trajectory);
+std::optional<Refusal> refusalOf(const Trajectory& trajectory) {
+  return std::visit([](const auto& kind) { return refusalOf(kind); }, trajectory);
 }
 
 }  // namespace sightline::core

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "sightline/core/model/sphere.h"
-#include "sightline/ros/params/param_words.h"
+#include "sightline/ros/params/param_text.h"
 
 namespace sightline_ros {
 namespace {

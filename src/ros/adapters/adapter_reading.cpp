@@ -16,17 +16,17 @@ namespace core = sightline::core;
 namespace {
 
 template <typename Derived>
-std::string inWords(const Eigen::MatrixBase<Derived>& vector) {
-  std::ostringstream words;
-  words << '(';
-  for (Eigen::Index i = 0; i < vector.size(); ++i) words << (i > 0 ? ", " : "") << vector(i);
-  words << ')';
-  return words.str();
+std::string textOf(const Eigen::MatrixBase<Derived>& vector) {
+  std::ostringstream text;
+  text << '(';
+  for (Eigen::Index i = 0; i < vector.size(); ++i) text << (i > 0 ? ", " : "") << vector(i);
+  text << ')';
+  return text.str();
 }
 
 template <typename Matrix>
-std::string variancesInWords(const Matrix& covariance, const std::string& unit) {
-  return "variances " + inWords(covariance.diagonal()) + " " + unit;
+std::string variancesText(const Matrix& covariance, const std::string& unit) {
+  return "variances " + textOf(covariance.diagonal()) + " " + unit;
 }
 
 /// A covariance can be used when it is finite, symmetric and positive definite.
@@ -38,15 +38,15 @@ std::string withoutSlash(const std::string& frame) {
   return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
 }
 
-AdaptedScan refused(AdaptedScan out, const std::string& reason, const std::string& detail) {
-  out.refusals.push_back({reason, detail});
+AdaptedScan refused(AdaptedScan out, const std::string& kind, const std::string& detail) {
+  out.refusals.push_back({kind, detail});
   return out;
 }
 
 }  // namespace
 
-void Reading::refuse(const std::string& reason, const std::string& detail) {
-  refusals.push_back({reason, "topic " + topic_.topic + ": " + detail});
+void Reading::refuse(const std::string& kind, const std::string& detail) {
+  refusals.push_back({kind, "topic " + topic_.topic + ": " + detail});
 }
 
 void Reading::add(std::optional<core::Sighting> sighting, double snr) {
@@ -54,16 +54,15 @@ void Reading::add(std::optional<core::Sighting> sighting, double snr) {
   sightings.push_back(*sighting);
 }
 
-bool Reading::mayUseSigma(const std::optional<Eigen::Vector2d>& sigma,
-                          const std::string& covariance_in_words) {
+bool Reading::mayUseSigma(const std::optional<Eigen::Vector2d>& sigma, const std::string& covariance_text) {
   const bool in_pixels = !topic_.camera_info.empty();
   if (!sigma) {
-    refuse("covariance not known", "the message's covariance says nothing (" + covariance_in_words +
+    refuse("covariance not known", "the message's covariance says nothing (" + covariance_text +
                                        "); let the driver state it, or set " +
                                        (in_pixels ? "sigma_px [px]" : "sigma [rad]") + " for this topic");
     return false;
   }
-  if (unknown_covariances++ == 0) first_unknown = covariance_in_words;
+  if (unknown_covariances++ == 0) first_unknown = covariance_text;
   return true;
 }
 
@@ -74,12 +73,12 @@ void Reading::addDirection(const Eigen::Vector3d& direction, double snr) {
 void Reading::addPoint(const Eigen::Vector3d& point, const std::optional<Eigen::Matrix3d>& covariance,
                        double snr) {
   if (!core::hasDirection(point)) {
-    refuse("no direction", inWords(point) + " points nowhere: a finite vector that is not zero is expected");
+    refuse("no direction", textOf(point) + " points nowhere: a finite vector that is not zero is expected");
     return;
   }
   if (covariance) {
     if (const auto sighting = core::sightingOfPoint(point, *covariance)) return add(sighting, snr);
-    if (!mayUseSigma(topic_.sigma, variancesInWords(*covariance, "m^2"))) return;
+    if (!mayUseSigma(topic_.sigma, variancesText(*covariance, "m^2"))) return;
   }
   add(core::sightingAlong(point, *topic_.sigma), snr);
 }
@@ -93,7 +92,7 @@ void Reading::addAngles(const Eigen::Vector2d& angles, const std::optional<Eigen
   }
   if (covariance) {
     if (isKnown(*covariance)) return add(core::sightingOf(angles, *covariance), snr);
-    if (!mayUseSigma(topic_.sigma, variancesInWords(*covariance, "rad^2"))) return;
+    if (!mayUseSigma(topic_.sigma, variancesText(*covariance, "rad^2"))) return;
   }
   add(core::sightingAlong(core::directionOf(angles), *topic_.sigma), snr);
 }
@@ -107,18 +106,18 @@ void Reading::addPixel(const Eigen::Vector2d& pixel, const std::optional<Eigen::
   }
   if (!pixel.allFinite() || !rays->isOnImage(pixel)) {
     std::ostringstream why;
-    why << "pixel " << inWords(pixel) << " is not on the image of " << rays->width() << "x" << rays->height()
+    why << "pixel " << textOf(pixel) << " is not on the image of " << rays->width() << "x" << rays->height()
         << " that " << topic_.camera_info << " describes: is it that camera's?";
     refuse("off the image", why.str());
     return;
   }
   Eigen::Matrix2d used = covariance.value_or(Eigen::Matrix2d::Zero());
   if (!isKnown(used)) {
-    if (covariance && !mayUseSigma(topic_.sigma_px, variancesInWords(*covariance, "px^2"))) return;
+    if (covariance && !mayUseSigma(topic_.sigma_px, variancesText(*covariance, "px^2"))) return;
     used = topic_.sigma_px->cwiseAbs2().asDiagonal();
   }
   if (const auto sighting = rays->sightingAt(pixel, used)) return add(sighting, snr);
-  refuse("no ray", "the camera's distortion model brings no ray to pixel " + inWords(pixel) +
+  refuse("no ray", "the camera's distortion model brings no ray to pixel " + textOf(pixel) +
                        ": it holds for the part of the image in which the calibration target was shown");
 }
 
@@ -126,7 +125,7 @@ std::string boresightFrameOf(const std::string& optical_frame) {
   return optical_frame + "_boresight";
 }
 
-AdaptedScan settled(const Reading& reading, const AdapterTopic& topic, const ros::Time& arrival) {
+AdaptedScan adapt(const Reading& reading, const AdapterTopic& topic, const ros::Time& arrival) {
   AdaptedScan out;
   out.refusals = reading.refusals;
   const std::string of_topic = "topic " + topic.topic + ": ";

@@ -8,6 +8,11 @@
 
 namespace sightline_ros {
 
+geometry_msgs::TransformStamped boresightTransform(const std::string& optical_frame, const ros::Time& stamp) {
+  return transformMessage(stamp, optical_frame, boresightFrameOf(optical_frame), Eigen::Vector3d::Zero(),
+                          sightline::core::R_boresight_optical().transpose());
+}
+
 BoresightBroadcaster::BoresightBroadcaster(ros::NodeHandle nh)
     : repetition_(nh.createWallTimer(ros::WallDuration(kSecondsBetweenStaticTransforms),
                                      [this](const ros::WallTimerEvent&) { broadcast(); })) {}
@@ -19,9 +24,7 @@ void BoresightBroadcaster::add(const std::string& optical_frame) {
 void BoresightBroadcaster::broadcast() {
   std::vector<geometry_msgs::TransformStamped> transforms;
   for (const std::string& frame : optical_frames_) {
-    transforms.push_back(transformMessage(ros::Time::now(), frame, boresightFrameOf(frame),
-                                          Eigen::Vector3d::Zero(),
-                                          sightline::core::R_boresight_optical().transpose()));
+    transforms.push_back(boresightTransform(frame, ros::Time::now()));
   }
   if (!transforms.empty()) static_transforms_.sendTransform(transforms);
 }

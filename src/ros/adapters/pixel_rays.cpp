@@ -30,11 +30,12 @@ unsigned reduced(unsigned full, unsigned of_region, unsigned binning) {
 
 }  // namespace
 
-std::optional<std::string> faultOf(const sensor_msgs::CameraInfo& camera) {
+std::optional<core::Refusal> refusalOf(const sensor_msgs::CameraInfo& camera) {
+  const std::string kind = "camera not calibrated";
   std::ostringstream why;
   if (camera.K[0] == 0.0) {
     why << "the camera is not calibrated (K[0] = 0 in its CameraInfo): calibrate it with camera_calibration";
-    return why.str();
+    return core::Refusal{kind, why.str()};
   }
   const bool is_finite =
       std::all_of(camera.K.begin(), camera.K.end(), [](double k) { return std::isfinite(k); });
@@ -42,12 +43,12 @@ std::optional<std::string> faultOf(const sensor_msgs::CameraInfo& camera) {
     why << "the camera's calibration makes no sense (focal lengths K[0] = " << camera.K[0]
         << ", K[4] = " << camera.K[4] << " px, K[8] = " << camera.K[8]
         << "): positive focal lengths and K[8] = 1 are expected";
-    return why.str();
+    return core::Refusal{kind, why.str()};
   }
   if (camera.width == 0 || camera.height == 0) {
     why << "the camera's CameraInfo states an image of " << camera.width << "x" << camera.height
         << " pixels: its driver must fill width and height in";
-    return why.str();
+    return core::Refusal{kind, why.str()};
   }
   const std::set<std::string> known = {"", sensor_msgs::distortion_models::PLUMB_BOB,
                                        sensor_msgs::distortion_models::RATIONAL_POLYNOMIAL,
@@ -55,7 +56,7 @@ std::optional<std::string> faultOf(const sensor_msgs::CameraInfo& camera) {
   if (known.count(camera.distortion_model) == 0) {
     why << "the distortion model \"" << camera.distortion_model
         << "\" is not known here: plumb_bob, rational_polynomial or equidistant is expected";
-    return why.str();
+    return core::Refusal{kind, why.str()};
   }
   return std::nullopt;
 }
@@ -87,7 +88,7 @@ PixelRays::PixelRays(const sensor_msgs::CameraInfo& camera, bool rectified)
       rectified_(rectified),
       width_(reduced(camera.width, camera.roi.width, camera.binning_x)),
       height_(reduced(camera.height, camera.roi.height, camera.binning_y)) {
-  if (const auto fault = faultOf(camera)) throw std::invalid_argument(*fault);
+  if (const auto refusal = refusalOf(camera)) throw std::invalid_argument(refusal->detail);
   // A camera that is alone may leave R and P out: its rectified image is then that of K.
   if (camera_.P[0] == 0.0) {
     const auto& K = camera_.K;

@@ -6,16 +6,15 @@
 #include <diagnostic_msgs/DiagnosticStatus.h>
 #include <ros/console.h>
 
+#include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
-#include "sightline/ros/nodes/this_node.h"
 
 namespace sightline_ros {
 namespace {
 
 using Kind = AdapterTopic::Kind;
 
-constexpr std::uint32_t kQueue = 1000;              // messages a topic
-constexpr double kSecondsBetweenDiagnostics = 1.0;  // of the wall's clock
+constexpr std::uint32_t kQueue = 1000;  // messages a topic
 
 std::vector<std::uint8_t> bytesOf(const topic_tools::ShapeShifter& message) {
   std::vector<std::uint8_t> bytes(message.size());
@@ -31,18 +30,15 @@ SightingAdapterNode::SightingAdapterNode(ros::NodeHandle nh, ros::NodeHandle pnh
 
 SightingAdapterNode::SightingAdapterNode(ros::NodeHandle nh, const ros::NodeHandle& pnh,
                                          const ParamReader& reader)
-    : nh_(nh), boresights_(nh), diagnostics_(nh, pnh, pnh.getNamespace()) {
+    : nh_(nh), boresights_(nh) {
   for (AdapterTopic& topic : loadAdapterTopics(reader)) {
     sources_.push_back(std::make_unique<Source>());
     sources_.back()->topic = std::move(topic);
   }
   reader.finish();
 
-  diagnostics_.setHardwareID("none");
-  diagnostics_.add("adapting", this, &SightingAdapterNode::diagnose);
-  diagnostics_timer_ =
-      nh_.createWallTimer(ros::WallDuration(kSecondsBetweenDiagnostics),
-                          [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  diagnostics_.emplace(nh, pnh, "adapting",
+                       [this](auto& status, double elapsed) { diagnose(status, elapsed); });
   for (const auto& source : sources_) start(*source);
 }
 
@@ -97,9 +93,9 @@ void SightingAdapterNode::onCameraInfo(Source& source, const sensor_msgs::Camera
     source.rays->setStamp(camera.header.stamp);
     return;
   }
-  if (const auto fault = faultOf(camera)) {
+  if (const auto refusal = refusalOf(camera)) {
     source.rays.reset();
-    note({"camera not calibrated", "topic " + source.topic.camera_info + ": " + *fault});
+    note({refusal->kind, "topic " + source.topic.camera_info + ": " + refusal->detail});
     return;
   }
   source.rays.emplace(camera, source.topic.is_rectified);
@@ -137,23 +133,20 @@ void SightingAdapterNode::publish(Source& source, const Reading& reading) {
                              << reading.first_unknown << "); the configured sigma is taken from here on");
   }
   source.sigma_count += reading.unknown_covariances;
-  const AdaptedScan adapted = settled(reading, source.topic, ros::Time::now());
-  for (const Refusal& refusal : adapted.refusals) note(refusal);
+  const AdaptedScan adapted = adapt(reading, source.topic, ros::Time::now());
+  for (const sightline::core::Refusal& refusal : adapted.refusals) note(refusal);
   if (!adapted.scan) return;
   if (!adapted.optical_frame.empty()) boresights_.add(adapted.optical_frame);
   source.sighting_count += adapted.scan->sightings.size();
   source.sightings.publish(adapted.scan);
 }
 
-void SightingAdapterNode::note(const Refusal& refusal) {
+void SightingAdapterNode::note(const sightline::core::Refusal& refusal) {
   if (const auto warning = refusals_.note(refusal, clockNow())) ROS_WARN_STREAM(*warning);
 }
 
-void SightingAdapterNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+void SightingAdapterNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status, double elapsed) {
   using diagnostic_msgs::DiagnosticStatus;
-  const ros::WallTime now = ros::WallTime::now();
-  const double elapsed = last_diagnosis_ ? (now - *last_diagnosis_).toSec() : 0.0;
-  last_diagnosis_ = now;
   status.summary(DiagnosticStatus::OK, std::to_string(sources_.size()) + " topics");
   for (const auto& source : sources_) {
     const std::string& name = source->topic.sensor;

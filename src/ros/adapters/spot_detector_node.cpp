@@ -13,8 +13,8 @@
 #include "sightline/core/model/line_of_sight.h"
 #include "sightline/core/model/sphere.h"
 #include "sightline/ros/adapters/adapter_reading.h"
+#include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
-#include "sightline/ros/nodes/this_node.h"
 
 namespace sightline_ros {
 
@@ -22,9 +22,8 @@ namespace core = sightline::core;
 
 namespace {
 
-constexpr std::uint32_t kImageQueue = 5;            // images: old ones are of no use to a live tracker
-constexpr std::uint32_t kQueue = 1000;              // other messages
-constexpr double kSecondsBetweenDiagnostics = 1.0;  // of the wall's clock
+constexpr std::uint32_t kImageQueue = 5;  // images: old ones are of no use to a live tracker
+constexpr std::uint32_t kQueue = 1000;    // other messages
 
 /// The namespace in which the node runs without the leading slash, or its own name in the root.
 std::string sensorNamedAfter(const ros::NodeHandle& nh, const ros::NodeHandle& pnh) {
@@ -49,16 +48,12 @@ SpotDetectorNode::SpotDetectorNode(ros::NodeHandle nh, const ros::NodeHandle& pn
       params_(loadSpotDetectorParams(reader)),
       detector_(params_.detector),
       boresights_(nh),
-      transport_(nh),
-      diagnostics_(nh, pnh, pnh.getNamespace()) {
+      transport_(nh) {
   reader.finish();
   if (params_.sensor.empty()) params_.sensor = sensorNamedAfter(nh, pnh);
 
-  diagnostics_.setHardwareID("none");
-  diagnostics_.add("detecting", this, &SpotDetectorNode::diagnose);
-  diagnostics_timer_ =
-      nh_.createWallTimer(ros::WallDuration(kSecondsBetweenDiagnostics),
-                          [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  diagnostics_.emplace(nh, pnh, "detecting",
+                       [this](auto& status, double elapsed) { diagnose(status, elapsed); });
   sightings_ = nh_.advertise<sightline::SightingArray>("sightings", kQueue);
   if (params_.field_of_view.isZero()) {
     const boost::function<void(const sensor_msgs::CameraInfo::ConstPtr&)> take =
@@ -75,9 +70,9 @@ void SpotDetectorNode::onCameraInfo(const sensor_msgs::CameraInfo& camera) {
   if (rays_ && isSameCalibration(camera, camera_)) return;
   rays_.reset();
   camera_ = camera;
-  if (const auto fault = faultOf(camera)) {
-    refuse("camera not calibrated",
-           "topic " + camera_info_.getTopic() + ": " + *fault + ", or set field_of_view [rad]");
+  if (const auto refusal = refusalOf(camera)) {
+    refuse(refusal->kind,
+           "topic " + camera_info_.getTopic() + ": " + refusal->detail + ", or set field_of_view [rad]");
   } else {
     rays_.emplace(camera, params_.rectified);
   }
@@ -169,17 +164,14 @@ void SpotDetectorNode::publish(const std::vector<core::Spot>& spots, const senso
   sightings_.publish(toMessage(scan, boresightFrameOf(frame)));
 }
 
-void SpotDetectorNode::refuse(const std::string& reason, const std::string& detail) {
-  if (const auto warning = refusals_.note({reason, detail}, clockNow())) {
+void SpotDetectorNode::refuse(const std::string& kind, const std::string& detail) {
+  if (const auto warning = refusals_.note({kind, detail}, clockNow())) {
     ROS_WARN_STREAM(params_.sensor << ": " << *warning);
   }
 }
 
-void SpotDetectorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+void SpotDetectorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status, double elapsed) {
   using diagnostic_msgs::DiagnosticStatus;
-  const ros::WallTime now = ros::WallTime::now();
-  const double elapsed = last_diagnosis_ ? (now - *last_diagnosis_).toSec() : 0.0;
-  last_diagnosis_ = now;
   const auto fresh = static_cast<double>(image_count_ - image_count_before_);
   image_count_before_ = image_count_;
   status.summary(DiagnosticStatus::OK, "looking");

@@ -81,10 +81,10 @@ std::vector<TrackerReport> LocalTrackerComponent::onScan(const sightline::Sighti
 std::vector<TrackerReport> LocalTrackerComponent::onTransforms(core::Time now) {
   std::vector<TrackerReport> reports;
   for (FramedScan& framed : frames_.release(now)) {
-    if (framed.drop_reason.empty())
+    if (!framed.refusal)
       admit(std::move(framed), now, reports);
     else
-      reports.push_back(refuse(framed, {framed.drop_reason, framed.drop_detail}, framed.drop_detail));
+      reports.push_back(refuse(framed, *framed.refusal, framed.refusal->detail));
   }
   return reports;
 }

@@ -5,13 +5,15 @@
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
 
-#include "sightline/report/sensor_words.h"
+#include "sightline/report/sensor_text.h"
 #include "sightline/ros/messages/conversions.h"
 
 namespace sightline_ros {
 
 namespace core = sightline::core;
 using diagnostic_msgs::DiagnosticStatus;
+using sightline::report::clockTextOf;
+using sightline::report::textOf;
 
 namespace {
 
@@ -119,7 +121,7 @@ std::vector<std::string> LocalTrackerHealth::sensorLines(const TrackerReport& re
     const bool is_recovery = change.change.verdict == core::SensorVerdict::healthy;
     if (is_soon && !is_recovery) continue;
     const std::uint64_t held_back = counted.count - counted.count_warned - 1;
-    lines.push_back(wordsOf(change) +
+    lines.push_back(textOf(change) +
                     (held_back > 0 ? " (" + std::to_string(held_back) + " changes before not shown)" : ""));
     counted.last_warning = now;
     counted.count_warned = counted.count;
@@ -132,7 +134,7 @@ std::vector<std::string> LocalTrackerHealth::clockLines(const std::vector<core::
   for (const core::WatchedSensor& sensor : watched) {
     const bool is_wrong = sensor.clock.has_value();
     bool& was_wrong = wrong_clocks_[sensor.sensor];
-    if (is_wrong && !was_wrong) lines.push_back(clockWordsOf(sensor));
+    if (is_wrong && !was_wrong) lines.push_back(clockTextOf(sensor));
     if (!is_wrong && was_wrong)
       lines.push_back("clock of " + sensor.sensor + " agrees with the others again");
     was_wrong = is_wrong;
@@ -154,18 +156,18 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
     status.mergeSummary(DiagnosticStatus::WARN, "stamps of " + sensor.sensor + " are " + sensor.text);
   }
   for (const core::CalibratedSensor& sensor : calibrated) {
-    status.add("noise of " + sensor.sensor, wordsOf(sensor));
+    status.add("noise of " + sensor.sensor, textOf(sensor));
     const bool is_rough = sensor.scale > kRough && sensor.sightings >= kSettledSightings;
-    if (is_rough) status.mergeSummary(DiagnosticStatus::WARN, sensor.sensor + ": " + wordsOf(sensor));
+    if (is_rough) status.mergeSummary(DiagnosticStatus::WARN, sensor.sensor + ": " + textOf(sensor));
   }
   for (const core::CalibratedDetection& sensor : detection)
-    status.add("detection of " + sensor.sensor, wordsOf(sensor));
+    status.add("detection of " + sensor.sensor, textOf(sensor));
   for (const core::WatchedSensor& sensor : watched) {
-    const std::string words = wordsOf(sensor);
+    const std::string words = textOf(sensor);
     status.add("guard of " + sensor.sensor, words);
     if (sensor.verdict != core::SensorVerdict::healthy)
       status.mergeSummary(DiagnosticStatus::WARN, sensor.sensor + " " + words);
-    const std::string clock = clockWordsOf(sensor);
+    const std::string clock = clockTextOf(sensor);
     if (!clock.empty()) status.mergeSummary(DiagnosticStatus::WARN, clock);
   }
   status.add("tracks confirmed", tracks_[sightline::Track::CONFIRMED]);

@@ -5,7 +5,7 @@
 #include <limits>
 #include <sstream>
 
-#include "sightline/report/sensor_words.h"
+#include "sightline/report/sensor_text.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/tracklet_messages.h"
 #include "sightline/ros/params/track_fusion_params.h"
@@ -13,6 +13,8 @@
 namespace sightline_ros {
 
 namespace core = sightline::core;
+using sightline::report::clockTextOf;
+using sightline::report::textOf;
 
 namespace {
 
@@ -72,11 +74,11 @@ sightline::SensorHealth toMessage(const core::WatchedSensor& watched) {
   message.sensor = watched.sensor;
   message.verdict = nameOf(watched.verdict);
   message.noise_scale = watched.is_excluded ? std::numeric_limits<double>::infinity() : watched.noise_scale;
-  message.reason = wordsOf(watched);
+  message.reason = textOf(watched);
   message.clock_behind = std::numeric_limits<double>::quiet_NaN();
   if (!watched.clock) return message;
   message.clock_behind = watched.clock->behind;
-  message.reason += "; " + clockWordsOf(watched);
+  message.reason += "; " + clockTextOf(watched);
   return message;
 }
 
@@ -87,7 +89,7 @@ sightline::SensorHealth toMessage(const core::SensorChange& said) {
   if (said.change.verdict == core::SensorVerdict::biased)
     message.noise_scale = std::numeric_limits<double>::infinity();
   if (said.undecided) message.noise_scale = 1.0;
-  message.reason = wordsOf(said);
+  message.reason = textOf(said);
   return message;
 }
 
@@ -130,11 +132,11 @@ std::string TrackFusionComponent::onTracklets(const sightline::TrackletArray& lo
                                               core::Time now) {
   std::string refusal = refusalOf(local.tracker, local.header, topic, tracklet_origins_, now);
   if (!refusal.empty()) return refusal;
-  std::string complaint;
-  refusal = fusion_.onTracklets(sightline_ros::toCore(local, complaint));
+  const ReadTracklets read = readTracklets(local);
+  refusal = fusion_.onTracklets(read.report);
   if (!refusal.empty()) return refusal;
   note(local.tracker, local.header, topic, tracklet_origins_);
-  return complaint;
+  return read.refusal ? core::textOf(*read.refusal) : "";
 }
 
 bool TrackFusionComponent::wantsTracklets() const {

@@ -13,9 +13,12 @@
 #include <sightline/TrackArray.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "sightline/report/plain_words.h"
+#include "sightline/report/value_text.h"
 
 namespace sightline_ros {
+
+using sightline::report::listOf;
+
 namespace {
 
 using Names = std::set<std::string>;

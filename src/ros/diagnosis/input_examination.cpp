@@ -14,12 +14,14 @@
 #include "sightline/core/model/sighting.h"
 #include "sightline/core/model/sphere.h"
 #include "sightline/core/sensors/scatter.h"
-#include "sightline/report/plain_words.h"
+#include "sightline/report/value_text.h"
 #include "sightline/ros/messages/conversions.h"
 
 namespace sightline_ros {
 
 namespace core = sightline::core;
+using sightline::report::listOf;
+using sightline::report::valueOf;
 
 namespace {
 
@@ -136,7 +138,7 @@ std::vector<Finding> InputExamination::findings(const tf2::BufferCore& transform
   findSharedNames(found);
   findTransforms(transforms, tracking_frame, found);
   findScatter(transforms, tracking_frame, found);
-  findStrangers(transforms, tracking_frame, found);
+  findSeparateViews(transforms, tracking_frame, found);
   return found;
 }
 
@@ -166,7 +168,8 @@ void InputExamination::findTransforms(const tf2::BufferCore& transforms, const s
     std::size_t there = 0, asked = 0;
     std::string frame, why;
     for (const Shot& shot : source.shots) {
-      if (shot.header.frame_id.empty() || shot.header.frame_id.front() == '/') continue;  // is said already
+      if (shot.header.frame_id.empty() || shot.header.frame_id.front() == '/')
+        continue;  // is reported already
       ++asked;
       if (rotationTo(tracking_frame, shot.header, transforms)) {
         ++there;
@@ -191,7 +194,7 @@ void InputExamination::findTransforms(const tf2::BufferCore& transforms, const s
   }
 }
 
-/// Sensors whose sightings scatter otherwise than their covariance says.
+/// Sensors whose sightings scatter more or less than their covariance states.
 void InputExamination::findScatter(const tf2::BufferCore& transforms, const std::string& tracking_frame,
                                    std::vector<Finding>& found) const {
   for (const auto& [key, source] : sources_) {
@@ -247,14 +250,14 @@ std::vector<core::Glimpse> InputExamination::glimpsesOf(const Source& source,
 }
 
 /// Sensors that never see what any other sees.
-void InputExamination::findStrangers(const tf2::BufferCore& transforms, const std::string& tracking_frame,
-                                     std::vector<Finding>& found) const {
+void InputExamination::findSeparateViews(const tf2::BufferCore& transforms, const std::string& tracking_frame,
+                                         std::vector<Finding>& found) const {
   std::map<Key, std::vector<core::Glimpse>> seen;
   for (const auto& [key, source] : sources_) {
     if (!source.record.isMostlyRefused()) seen[key] = glimpsesOf(source, transforms, tracking_frame, asSent);
   }
   for (const auto& [key, source] : sources_) {
-    if (source.record.isMostlyRefused()) continue;  // is said already
+    if (source.record.isMostlyRefused()) continue;  // is reported already
     std::vector<core::Glimpse> others;
     for (const auto& [other, glimpses] : seen) {
       if (other.first != key.first) others.insert(others.end(), glimpses.begin(), glimpses.end());

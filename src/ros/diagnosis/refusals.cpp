@@ -12,8 +12,8 @@ namespace {
 constexpr double kSecondsBetweenWarnings = 5.0;
 }  // namespace
 
-std::optional<std::string> Refusals::note(const Refusal& refusal, core::Time now) {
-  Counted& counted = counts_[refusal.reason];
+std::optional<std::string> Refusals::note(const core::Refusal& refusal, core::Time now) {
+  Counted& counted = counts_[refusal.kind];
   ++counted.count;
   // A clock that goes back must not silence the warnings.
   if (counted.last_warning && now >= *counted.last_warning &&
@@ -21,7 +21,7 @@ std::optional<std::string> Refusals::note(const Refusal& refusal, core::Time now
     return std::nullopt;
   }
   std::ostringstream warning;
-  warning << refusal.reason << " (" << counted.count - counted.count_warned << " new, " << counted.count
+  warning << refusal.kind << " (" << counted.count - counted.count_warned << " new, " << counted.count
           << " in all): " << refusal.detail;
   counted.last_warning = now;
   counted.count_warned = counted.count;
@@ -29,13 +29,13 @@ std::optional<std::string> Refusals::note(const Refusal& refusal, core::Time now
 }
 
 void Refusals::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  for (auto& [reason, counted] : counts_) {
+  for (auto& [kind, counted] : counts_) {
     if (counted.count > counted.count_before) {
       status.mergeSummary(
           diagnostic_msgs::DiagnosticStatus::WARN,
-          "refused, " + reason + ": " + std::to_string(counted.count - counted.count_before) + " new");
+          "refused, " + kind + ": " + std::to_string(counted.count - counted.count_before) + " new");
     }
-    status.add("refused, " + reason, counted.count);
+    status.add("refused, " + kind, counted.count);
     counted.count_before = counted.count;
   }
 }

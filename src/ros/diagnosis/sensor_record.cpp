@@ -6,22 +6,23 @@
 
 #include "sightline/core/model/chi_square.h"
 #include "sightline/core/model/sighting.h"
-#include "sightline/report/plain_words.h"
+#include "sightline/report/value_text.h"
 #include "sightline/ros/messages/conversions.h"
-#include "sightline/ros/messages/frames.h"
+#include "sightline/ros/messages/framed_scan.h"
 
 namespace sightline_ros {
 
 namespace core = sightline::core;
+using sightline::report::valueOf;
 
 namespace {
 
 constexpr std::size_t kMostFrames = 8;    // that are remembered
-constexpr std::size_t kLeastScans = 10;   // below, nothing is said of rates and delays
+constexpr std::size_t kLeastScans = 10;   // below, rates and delays are not reported
 constexpr double kOtherTime = 600.0;      // behind the clock: the stamps are of another time [s]
 constexpr double kBackStep = 0.25;        // that is no mere change of order [s]
 constexpr double kShare = 0.05;           // of the scans that may be odd
-constexpr double kGap = 0.5;              // silence that deserves a word [s] ...
+constexpr double kGap = 0.5;              // silence that is reported [s] ...
 constexpr double kUsualIntervals = 10.0;  // ... when it is so many usual intervals
 constexpr double kOffInnovations = 3.0;   // median over that
 constexpr std::size_t kLeastInnovations = 30;
@@ -33,9 +34,9 @@ void SensorRecord::take(const sightline::SightingArray& scan, core::Time arrival
   sightings_ += scan.sightings.size();
   empty_ += scan.sightings.empty() ? 1 : 0;
   if (frames_.size() < kMostFrames) frames_.insert(scan.header.frame_id);
-  if (const auto complaint = complaintAbout(scan)) {
-    Counted& counted = refused_scans_[complaint->first];
-    if (counted.count++ == 0) counted.first = complaint->second;
+  if (const auto refusal = refusalOf(scan)) {
+    Counted& counted = refused_scans_[refusal->kind];
+    if (counted.count++ == 0) counted.first = refusal->detail;
   }
   if (!scan.header.stamp.isZero()) takeStamp(toCore(scan.header.stamp), arrival);
   takeSightings(scan);
@@ -71,21 +72,21 @@ void SensorRecord::takeSightings(const sightline::SightingArray& scan) {
 
 std::vector<Finding> SensorRecord::findings(const std::string& subject, const InputLimits& limits) const {
   std::vector<Finding> found;
-  const auto say = [&](const std::optional<std::string>& words) {
-    if (words) found.push_back({subject, *words});
+  const auto report = [&](const std::optional<std::string>& text) {
+    if (text) found.push_back({subject, *text});
   };
-  for (const auto& [reason, counted] : refused_scans_) say(count(counted.count) + ": " + counted.first);
+  for (const auto& [reason, counted] : refused_scans_) report(count(counted.count) + ": " + counted.first);
   if (refused_sightings_.count > 0) {
-    say(std::to_string(refused_sightings_.count) + " of " + std::to_string(sightings_) +
-        " sightings cannot be used, the first because its " + refused_sightings_.first);
+    report(std::to_string(refused_sightings_.count) + " of " + std::to_string(sightings_) +
+           " sightings cannot be used, the first because its " + refused_sightings_.first);
   }
-  if (const auto words = emptyWords()) found.push_back({subject, *words, true});
+  if (const auto text = emptyText()) found.push_back({subject, *text, true});
   if (scans_ < kLeastScans) return found;
-  say(latencyWords(limits));
-  say(stampWords(limits));
-  say(duplicateWords());
-  say(gapWords());
-  say(innovationWords());
+  report(latencyText(limits));
+  report(stampText(limits));
+  report(duplicateText());
+  report(gapText());
+  report(innovationText());
   return found;
 }
 
@@ -93,7 +94,7 @@ std::string SensorRecord::count(std::size_t number) const {
   return std::to_string(number) + " of " + std::to_string(scans_) + " scans";
 }
 
-std::optional<std::string> SensorRecord::latencyWords(const InputLimits& limits) const {
+std::optional<std::string> SensorRecord::latencyText(const InputLimits& limits) const {
   if (latencies_.size() < kLeastScans) return std::nullopt;
   const double usual = *latency(0.5), late = *latency(0.95), early = *latency(0.05);
   const std::string of = " (median of " + std::to_string(latencies_.size()) + " scans)";
@@ -126,7 +127,7 @@ std::optional<std::string> SensorRecord::latencyWords(const InputLimits& limits)
   return std::nullopt;
 }
 
-std::optional<std::string> SensorRecord::stampWords(const InputLimits& limits) const {
+std::optional<std::string> SensorRecord::stampText(const InputLimits& limits) const {
   const bool is_often = static_cast<double>(back_) > kShare * static_cast<double>(stamped_);
   if (back_ == 0 || (farthest_back_ <= std::max(kBackStep, limits.max_lag) && !is_often)) return std::nullopt;
   return count(back_) + " are stamped before the one that came before them, by up to " +
@@ -134,7 +135,7 @@ std::optional<std::string> SensorRecord::stampWords(const InputLimits& limits) c
          ": two sensors under one name, a clock that steps, or a recording in a loop";
 }
 
-std::optional<std::string> SensorRecord::duplicateWords() const {
+std::optional<std::string> SensorRecord::duplicateText() const {
   if (static_cast<double>(repeated_) <= kShare * static_cast<double>(stamped_)) return std::nullopt;
   return count(repeated_) +
          " repeat the stamp of the one before: an exposure is one message, with its own stamp; duplicates "
@@ -142,7 +143,7 @@ std::optional<std::string> SensorRecord::duplicateWords() const {
          "dropped. Two publishers of the same topic, or stamps that are too coarse?";
 }
 
-std::optional<std::string> SensorRecord::gapWords() const {
+std::optional<std::string> SensorRecord::gapText() const {
   const auto usual = interval(0.5);
   if (!usual || longest_gap_ <= std::max(kGap, kUsualIntervals * *usual)) return std::nullopt;
   return "was silent for up to " + valueOf(longest_gap_, "s") + ", where a scan comes every " +
@@ -150,13 +151,13 @@ std::optional<std::string> SensorRecord::gapWords() const {
          ": silence says nothing; publish an empty scan when nothing is seen, or see why the driver pauses";
 }
 
-std::optional<std::string> SensorRecord::emptyWords() const {
+std::optional<std::string> SensorRecord::emptyText() const {
   if (scans_ < kLeastScans || empty_ < scans_) return std::nullopt;
   return "saw nothing in " + std::to_string(scans_) +
          " scans: is the cap on, the threshold too high, or does it look elsewhere?";
 }
 
-std::optional<std::string> SensorRecord::innovationWords() const {
+std::optional<std::string> SensorRecord::innovationText() const {
   if (innovations_.size() < kLeastInnovations) return std::nullopt;
   const double off = *innovations_.quantile(0.5) / core::kChiSquareMedian2;
   if (off < kOffInnovations) return std::nullopt;

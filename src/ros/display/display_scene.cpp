@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sightline/core/model/sphere.h"
+#include "sightline/ros/display/display_tracks.h"
 #include "sightline/ros/messages/conversions.h"
 
 namespace sightline_ros {
@@ -18,7 +19,6 @@ constexpr std::size_t kMostFullLabels = 3;                   // of more tracks o
 constexpr double kShortLabelDistance = 2.5 * core::kDegree;  // of a number alone, from the track
 constexpr double kLabelDistance = 18.0 * core::kDegree;      // from the rim of the ellipse
 constexpr double kViewTolerance = 1.0;                       // from the view's axis before it is turned [rad]
-constexpr double kHardlyMoving = 0.01;                       // [rad/s]
 constexpr double kClockStep = 1.0;   // backwards, from which a recording starts anew [s]
 constexpr double kMainShell = 0.99;  // in front of all else; share of the radius
 constexpr double kOutlineStep = 4.0 * core::kDegree;
@@ -32,49 +32,9 @@ Directions trailOf(const std::deque<core::TruthSample>& path) {
   return line;
 }
 
-/// The tracker's track nearest to a direction; nullptr when it has none.
-const sightline::Track* nearestTo(const Eigen::Vector2d& angles, const TrackMemory& tracker) {
-  const sightline::Track* nearest = nullptr;
-  double distance = std::numeric_limits<double>::infinity();
-  for (const sightline::Track& track : tracker.newest().tracks) {
-    const double arc =
-        core::angleBetween(core::directionOf(angles), core::directionOf({track.azimuth, track.elevation}));
-    if (arc < distance) nearest = &track, distance = arc;
-  }
-  return nearest;
-}
-
-double sigmaOf(const sightline::Track& track) {
-  const core::AngularState state = toCore(track).state;
-  return std::max(semiAxes(tangentCovariance(state.angles(), state.anglesCovariance())).x(), 1e-9);
-}
-
-/// Unit tangent vector beside the motion, where neither trail nor prediction is: on the side of the direction
-/// in which the camera looks. Below a target that hardly moves.
-Eigen::Vector2d sideOf(const core::AngularState& state, const Eigen::Vector2d& view) {
-  const Eigen::Vector2d motion(std::cos(state.angles().y()) * state.rates().x(), state.rates().y());
-  if (motion.norm() < kHardlyMoving) return {0.0, -1.0};
-  const Eigen::Vector2d side = Eigen::Vector2d(-motion.y(), motion.x()).normalized();
-  return side.dot(tangentTo(state.angles(), core::directionOf(view))) >= 0.0 ? side : Eigen::Vector2d(-side);
-}
-
 bool isAnythingIn(const MarkerArray& array) {
   return std::any_of(array.markers.begin(), array.markers.end(),
                      [](const Marker& marker) { return marker.action == Marker::ADD; });
-}
-
-bool isEstablished(const sightline::Track& track) {
-  return track.status != sightline::Track::TENTATIVE;
-}
-
-std::size_t believedIn(const sightline::TrackArray& report) {
-  return static_cast<std::size_t>(std::count_if(report.tracks.begin(), report.tracks.end(), isEstablished));
-}
-
-/// Whether a sighting may be the track's: in its gate, or hardly beyond as the gate has moved on since.
-bool isNearGate(const sightline::Gate& gate, const Eigen::Vector3d& direction) {
-  const double reach = 1.5 * std::hypot(gate.azimuth_half_width, gate.elevation_half_width);
-  return core::angleBetween(core::directionOf({gate.azimuth, gate.elevation}), direction) <= reach;
 }
 
 }  // namespace
@@ -112,7 +72,7 @@ void DisplayScene::restartWhenBack(double now) {
   newest_ = now;
 }
 
-bool DisplayScene::isHeard(const TrackMemory& memory, double now) const {
+bool DisplayScene::isPresent(const TrackMemory& memory, double now) const {
   return !memory.newest().tracks.empty() && now - memory.arrival() <= params_.silence;
 }
 
@@ -126,14 +86,14 @@ std::map<std::string, MarkerArray> DisplayScene::draw(double now) {
   }
   forgetSilentSensors();
   for (auto& [channel, tracker] : trackers_) {
-    if (!isHeard(tracker, now)) tracker.clear();
+    if (!isPresent(tracker, now)) tracker.clear();
     if (channel == kMainChannel) {
       drawMainTracks(sheets[channel], now);
     } else {
       drawLocalTracks(sheets[channel], channel, now);
     }
   }
-  if (!isHeard(truth_, now)) truth_.clear();
+  if (!isPresent(truth_, now)) truth_.clear();
   drawTruth(sheets[kTruthChannel]);
   drawMagnified(sheets[kMagnifierChannel], now);
   dropWhatStaysEmpty(sheets);
@@ -214,7 +174,7 @@ void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
   Canvas canvas = params_.canvas;
   canvas.radius *= kMainShell;
   const TrackMemory& tracker = trackers_.at(kMainChannel);
-  const bool is_crowd = believedIn(tracker.newest()) > kMostFullLabels;
+  const bool is_crowd = establishedIn(tracker.newest()) > kMostFullLabels;
   Marker dots = dotSheet(canvas, "tracks", 1.2 * core::kDegree);
   Marker ellipses = lineSheet(canvas, "2-sigma ellipses", 0.45 * core::kDegree);
   Marker trails = lineSheet(canvas, "histories", 0.4 * core::kDegree);
@@ -263,8 +223,8 @@ void DisplayScene::drawSources(Marker& lines, const sightline::Track& track, dou
 std::optional<Eigen::Vector3d> DisplayScene::directionOfSource(const std::string& source,
                                                                const sightline::Track& of, double now) const {
   const auto tracker = trackers_.find(source);
-  if (tracker != trackers_.end() && isHeard(tracker->second, now)) {
-    const sightline::Track* track = nearestTo({of.azimuth, of.elevation}, tracker->second);
+  if (tracker != trackers_.end() && isPresent(tracker->second, now)) {
+    const sightline::Track* track = nearestTo({of.azimuth, of.elevation}, tracker->second.newest());
     return core::directionOf({track->azimuth, track->elevation});
   }
   const auto sensor = sensors_.find(source);

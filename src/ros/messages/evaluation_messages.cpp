@@ -82,7 +82,7 @@ sightline::EvaluationTarget toMessage(const core::TargetRow& row) {
 
 sightline::Evaluation toMessage(const core::Evaluation& evaluation) {
   sightline::Evaluation message;
-  if (const auto newest = evaluation.lastJudged()) message.header.stamp = toRos(*newest);
+  if (const auto newest = evaluation.lastScored()) message.header.stamp = toRos(*newest);
   for (const core::EvaluationRow& row : evaluation.rows()) message.rows.push_back(toMessage(row));
   for (const core::TargetRow& row : evaluation.targetRows()) message.targets.push_back(toMessage(row));
   return message;

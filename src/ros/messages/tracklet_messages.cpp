@@ -14,8 +14,8 @@ namespace core = sightline::core;
 
 namespace {
 
-std::optional<std::string> complaintAbout(const sightline::Tracklet& message, const ros::Time& newest,
-                                          const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
+std::optional<std::string> whyUnusable(const sightline::Tracklet& message, const ros::Time& newest,
+                                       const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
   if (message.track == 0) return "id 0 means no track; ids start at 1";
   if (message.sensor.empty()) return "the sensor is not named";
   if (message.stamp > newest) return "its stamp is after the message's";
@@ -50,8 +50,9 @@ sightline::TrackletArray toMessage(const core::TrackletReport& report, const std
   return message;
 }
 
-core::TrackletReport toCore(const sightline::TrackletArray& message, std::string& complaint) {
-  core::TrackletReport report;
+ReadTracklets readTracklets(const sightline::TrackletArray& message) {
+  ReadTracklets read;
+  core::TrackletReport& report = read.report;
   report.tracker = message.tracker;
   report.time = toCore(message.header.stamp);
   if (!message.since.isZero()) report.since = toCore(message.since);
@@ -60,9 +61,9 @@ core::TrackletReport toCore(const sightline::TrackletArray& message, std::string
     const Eigen::Matrix2d covariance =
         (Eigen::Matrix2d() << row.covariance[0], row.covariance[1], row.covariance[2], row.covariance[3])
             .finished();
-    if (const auto why = complaintAbout(row, message.header.stamp, angles, covariance)) {
-      complaint = "invalid: tracklet of track " + std::to_string(row.track) + " of \"" + message.tracker +
-                  "\" by \"" + row.sensor + "\": " + *why;
+    if (const auto why = whyUnusable(row, message.header.stamp, angles, covariance)) {
+      read.refusal = core::Refusal{"invalid", "tracklet of track " + std::to_string(row.track) + " of \"" +
+                                                  message.tracker + "\" by \"" + row.sensor + "\": " + *why};
       continue;
     }
     core::TrackTracklet it;
@@ -74,7 +75,7 @@ core::TrackletReport toCore(const sightline::TrackletArray& message, std::string
     it.tracklet.sightings = row.sightings;
     report.tracklets.push_back(std::move(it));
   }
-  return report;
+  return read;
 }
 
 }  // namespace sightline_ros

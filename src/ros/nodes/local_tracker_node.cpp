@@ -5,6 +5,7 @@
 #include <sightline/TrackArray.h>
 #include <sightline/TrackletArray.h>
 
+#include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/nodes/this_node.h"
 
@@ -13,7 +14,6 @@ namespace {
 
 constexpr std::uint32_t kQueue = 1000;                 // messages a topic
 constexpr double kSecondsBetweenTimeoutChecks = 0.02;  // of the wall's clock
-constexpr double kSecondsBetweenDiagnostics = 1.0;     // of the wall's clock
 
 }  // namespace
 
@@ -23,22 +23,17 @@ LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
 LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh, const ParamReader& reader)
     : nh_(nh),
       component_(reader, nameOfNode(pnh), transforms_),
-      health_(LocalTrackerHealth::silenceFrom(reader), {component_.maxLag(), component_.maxFuture()}),
-      diagnostics_(nh, pnh, pnh.getNamespace()) {
+      health_(LocalTrackerHealth::silenceFrom(reader), {component_.maxLag(), component_.maxFuture()}) {
   const std::vector<std::string> topics = reader.requiredTexts("sighting_topics");
   reader.finish();
 
-  diagnostics_.setHardwareID("none");
-  diagnostics_.add("tracking", this, &LocalTrackerNode::diagnose);
   tracks_ = nh_.advertise<sightline::TrackArray>("tracks", kQueue);
   tracklets_ = nh_.advertise<sightline::TrackletArray>("tracklets", kQueue);
   associations_ = nh_.advertise<sightline::AssociationArray>("associations", kQueue);
   transform_subscriber_ = std::make_unique<TransformSubscriber>(nh_, transforms_, [this] { onTransforms(); });
   timeout_timer_ = nh_.createWallTimer(ros::WallDuration(kSecondsBetweenTimeoutChecks),
                                        [this](const ros::WallTimerEvent&) { onTimer(); });
-  diagnostics_timer_ =
-      nh_.createWallTimer(ros::WallDuration(kSecondsBetweenDiagnostics),
-                          [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  diagnostics_.emplace(nh, pnh, "tracking", [this](auto& status, double) { diagnose(status); });
   subscribe(topics);
 }
 

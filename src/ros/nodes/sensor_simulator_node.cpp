@@ -5,10 +5,10 @@
 #include <ros/console.h>
 #include <sightline/SightingArray.h>
 
+#include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/scenario_messages.h"
 #include "sightline/ros/messages/transform_messages.h"
-#include "sightline/ros/nodes/this_node.h"
 #include "sightline/ros/params/scenario_params.h"
 
 namespace sightline_ros {

@@ -10,8 +10,8 @@
 #include <ros/ros.h>
 
 #include "sightline/core/model/sphere.h"
+#include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
-#include "sightline/ros/nodes/this_node.h"
 #include "sightline/ros/params/scenario_params.h"
 
 namespace sightline_ros {
@@ -202,10 +202,10 @@ bool TrackDisplayNode::isInTrackingFrame(const std_msgs::Header& header, const s
 void TrackDisplayNode::showScans() {
   const ros::Time now = ros::Time::now();
   for (const FramedScan& framed : frame_change_.release(toCore(now))) {
-    if (framed.drop_reason.empty()) {
+    if (!framed.refusal) {
       scene_.addScan(framed.scan, now.toSec());
     } else {
-      ROS_WARN_STREAM_THROTTLE(5.0, "Not showing a scan: " << framed.drop_detail);
+      ROS_WARN_STREAM_THROTTLE(5.0, "Not showing a scan: " << framed.refusal->detail);
     }
   }
 }

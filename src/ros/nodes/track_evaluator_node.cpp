@@ -12,14 +12,15 @@
 #include <sightline/Evaluation.h>
 
 #include "sightline/report/evaluation_text.h"
+#include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/evaluation_messages.h"
-#include "sightline/ros/nodes/this_node.h"
 #include "sightline/ros/params/evaluation_params.h"
 
 namespace sightline_ros {
 
 namespace core = sightline::core;
+namespace report = sightline::report;
 
 namespace {
 
@@ -39,7 +40,7 @@ std::vector<std::string> ofSixSensors(const std::string& last) {
   return topics;
 }
 
-/// A table that cannot be written is said before the run that it would be lost with.
+/// A table that cannot be written is refused before the run, whose result would be lost.
 void checkWritable(const ParamReader& reader, const std::string& table_file) {
   if (table_file.empty() || std::ofstream(table_file, std::ios::app)) return;
   throw reader.error("table_file", "expected a file that can be written, got \"" + table_file + "\" (" +
@@ -141,10 +142,10 @@ void TrackEvaluatorNode::onTracks(const std::string& topic, const sightline::Tra
 void TrackEvaluatorNode::releaseScans() {
   for (auto& [topic, frame_change] : frame_changes_) {
     for (FramedScan& framed : frame_change.release(clockNow())) {
-      if (framed.drop_reason.empty()) {
+      if (!framed.refusal) {
         evaluation_.addScan(topic, std::move(framed.scan));
       } else {
-        drop(topic, framed.drop_reason, framed.drop_detail);
+        drop(topic, *framed.refusal);
       }
     }
   }
@@ -152,17 +153,16 @@ void TrackEvaluatorNode::releaseScans() {
 
 bool TrackEvaluatorNode::isInTrackingFrame(const std::string& topic, const std::string& frame) {
   if (frame == params_.frames.tracking_frame) return true;
-  drop(topic, "another frame",
-       "it is in frame \"" + frame + "\" and not in tracking_frame \"" + params_.frames.tracking_frame +
-           "\": give trackers and evaluator the same one");
+  drop(topic,
+       {"another frame", "it is in frame \"" + frame + "\" and not in tracking_frame \"" +
+                             params_.frames.tracking_frame + "\": give trackers and evaluator the same one"});
   return false;
 }
 
-void TrackEvaluatorNode::drop(const std::string& topic, const std::string& reason,
-                              const std::string& detail) {
-  ++dropped_[topic + ": " + reason];
+void TrackEvaluatorNode::drop(const std::string& topic, const core::Refusal& refusal) {
+  ++dropped_[topic + ": " + refusal.kind];
   ROS_WARN_STREAM_THROTTLE(kSecondsBetweenWarnings,
-                           "a message on " << topic << " is not evaluated: " << detail);
+                           "a message on " << topic << " is not evaluated: " << refusal.detail);
 }
 
 void TrackEvaluatorNode::endAfterDuration(std::optional<Span>& span, core::Time stamp) {
@@ -188,7 +188,7 @@ void TrackEvaluatorNode::everySecond() {
 }
 
 void TrackEvaluatorNode::printLive() {
-  const std::string summary = liveSummary(evaluation_.rows(), evaluation_.bestSigma(), elapsed());
+  const std::string summary = report::liveSummary(evaluation_.rows(), evaluation_.bestSigma(), elapsed());
   if (isatty(STDOUT_FILENO) != 0) {
     if (live_lines_ > 0) std::cout << "\033[" << live_lines_ << "A\033[J";  // over the last one
     live_lines_ = static_cast<int>(std::count(summary.begin(), summary.end(), '\n'));
@@ -199,12 +199,12 @@ void TrackEvaluatorNode::printLive() {
 std::string TrackEvaluatorNode::table() const {
   const std::vector<core::EvaluationRow> rows = evaluation_.rows();
   const std::vector<core::TargetRow> targets = evaluation_.targetRows();
-  EvaluationTableStyle style;
+  report::EvaluationTableStyle style;
   style.gospa = haveSeveralTargets(targets);
   std::ostringstream table;
-  table << "\nEvaluation of " << readable(elapsed()) << " s\n"
-        << evaluationTable(rows, evaluation_.bestSigma(), style) << livesTable(rows)
-        << (style.gospa ? targetTable(targets) : "");
+  table << "\nEvaluation of " << report::readable(elapsed()) << " s\n"
+        << report::evaluationTable(rows, evaluation_.bestSigma(), style) << report::livesTable(rows)
+        << (style.gospa ? report::targetTable(targets) : "");
   for (const auto& [reason, count] : dropped_)
     table << "dropped " << count << " messages on " << reason << "\n";
   return table.str();

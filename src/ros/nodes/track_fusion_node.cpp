@@ -6,14 +6,14 @@
 #include <ros/names.h>
 #include <sightline/FusionReport.h>
 
+#include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/nodes/this_node.h"
 
 namespace sightline_ros {
 namespace {
 
-constexpr std::uint32_t kQueue = 1000;              // messages a topic
-constexpr double kSecondsBetweenDiagnostics = 1.0;  // of the wall's clock
+constexpr std::uint32_t kQueue = 1000;  // messages a topic
 
 std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHandle& nh) {
   std::set<std::string> seen;
@@ -53,17 +53,11 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
       component_(reader, nameOfNode(pnh)),
       topics_(topicsFrom(reader, nh)),
       tracklet_topics_(trackletTopicsFrom(reader, nh, topics_)),
-      health_(topics_, TrackFusionHealth::silenceFrom(reader)),
-      diagnostics_(nh, pnh, pnh.getNamespace()) {
+      health_(topics_, TrackFusionHealth::silenceFrom(reader)) {
   reader.finish();
 
-  diagnostics_.setHardwareID("none");
-  diagnostics_.add("fusion", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
-    health_.diagnose(clockNow(), status);
-  });
-  diagnostics_timer_ =
-      nh_.createWallTimer(ros::WallDuration(kSecondsBetweenDiagnostics),
-                          [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  diagnostics_.emplace(nh, pnh, "fusion",
+                       [this](auto& status, double) { health_.diagnose(clockNow(), status); });
   tracks_ = nh_.advertise<sightline::TrackArray>("fusion/tracks", kQueue);
   report_ = nh_.advertise<sightline::FusionReport>("fusion/report", kQueue);
 

@@ -1,10 +1,9 @@
 #include "sightline/ros/params/param_reader.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
-#include "sightline/ros/params/param_words.h"
+#include "sightline/ros/params/param_text.h"
 
 namespace sightline_ros {
 
@@ -29,7 +28,7 @@ double asNumber(XmlRpcValue& value) {
 
 ParamError complaint(const std::string& name, const std::string& expected, XmlRpcValue& got,
                      const std::string& remedy = "") {
-  return ParamError(name + ": expected " + expected + ", got " + inWords(got) + remedy);
+  return ParamError(name + ": expected " + expected + ", got " + textOf(got) + remedy);
 }
 
 double checkedNumber(const std::string& name, XmlRpcValue& value, const Range& range,
@@ -98,35 +97,6 @@ std::shared_ptr<XmlRpcValue> treeBelow(const ros::NodeHandle& nh) {
 }
 
 }  // namespace
-
-bool Range::holds(double value) const {
-  return std::isfinite(value) && (low_open ? value > low : value >= low) &&
-         (high_open ? value < high : value <= high);
-}
-
-Range anyNumber() {
-  return Range{};
-}
-
-Range atLeast(double low) {
-  Range range;
-  range.low = low;
-  return range;
-}
-
-Range above(double low) {
-  Range range = atLeast(low);
-  range.low_open = true;
-  return range;
-}
-
-Range between(double low, double high) {
-  return Range{low, high, false, false};
-}
-
-Range inside(double low, double high) {
-  return Range{low, high, true, true};
-}
 
 ParamReader::ParamReader(const ros::NodeHandle& nh)
     : ParamReader(treeBelow(nh), nh.getNamespace(), std::make_shared<Memory>()) {}

@@ -180,7 +180,8 @@ core::Scenario loadScenario(const ParamReader& reader) {
   scenario.targets = loadTargets(reader, scenario.seed);
   scenario.sensors = loadSensors(reader);
   reader.finish();
-  if (auto fault = core::faultOf(scenario)) throw ParamError(reader.name() + ": " + *fault);
+  if (const auto refusal = core::refusalOf(scenario))
+    throw ParamError(reader.name() + ": " + core::textOf(*refusal));
   return scenario;
 }
 

@@ -193,7 +193,8 @@ core::Trajectory loadTrajectory(const ParamReader& reader, std::uint64_t seed) {
       {"boost", boost}};
   const std::string kind = reader.choice("trajectory", "sinusoid", namesOf(kinds));
   core::Trajectory trajectory = kinds.at(kind)(reader);
-  if (auto fault = core::faultOf(trajectory)) throw reader.error("trajectory", kind + ": " + *fault);
+  if (const auto refusal = core::refusalOf(trajectory))
+    throw reader.error("trajectory", kind + ": " + refusal->detail);
   return trajectory;
 }
 
@@ -202,7 +203,8 @@ core::PlatformMotion loadPlatformMotion(const ParamReader& reader) {
       {"fixed", fixedPlatform}, {"straight", straightPlatform}, {"orbit", orbit}};
   const std::string kind = reader.choice("motion", "fixed", namesOf(kinds));
   core::PlatformMotion motion = kinds.at(kind)(reader);
-  if (auto fault = core::faultOf(motion)) throw reader.error("motion", kind + ": " + *fault);
+  if (const auto refusal = core::refusalOf(motion))
+    throw reader.error("motion", kind + ": " + refusal->detail);
   return motion;
 }
 

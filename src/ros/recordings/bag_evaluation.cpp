@@ -1,16 +1,16 @@
 #include "sightline/ros/recordings/bag_evaluation.h"
 
-#include <cmath>
-#include <limits>
-#include <memory>
+#include <cstddef>
+#include <map>
 #include <optional>
-#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "sightline/core/evaluation/innovation_statistics.h"
 #include "sightline/report/evaluation_csv.h"
 #include "sightline/report/evaluation_text.h"
 #include "sightline/report/residual_comparison.h"
+#include "sightline/report/residual_text.h"
 #include "sightline/report/score_files.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/recordings/bags.h"
@@ -21,78 +21,19 @@
 namespace sightline_ros {
 
 namespace core = sightline::core;
+namespace report = sightline::report;
 
 namespace {
 
-using Cells = std::vector<std::string>;
 using Innovations = std::map<std::string, core::InnovationStatistics>;  // by topic
 
-std::string percent(double share) {
-  return std::isnan(share) ? "-" : decimals(100.0 * share, 1) + " %";
-}
+const char* const kTruthTopic = "/truth";  // of simulated recordings
 
-std::string innovationTable(const Innovations& innovations) {
-  if (innovations.empty()) return "";
-  std::vector<Cells> table = {
-      {"associations", "accepted", "NIS [95 % band]", "outside gate", "claimed", "started", "rejected"}};
-  for (const auto& [topic, statistics] : innovations) {
-    const auto count = [&statistics](core::Decision decision) {
-      return std::to_string(statistics.count(decision));
-    };
-    const double degrees = 2.0 * static_cast<double>(statistics.count(core::Decision::accepted));
-    table.push_back({"  " + topic, count(core::Decision::accepted), withBand(statistics.nis(), degrees),
-                     count(core::Decision::outside_gate), count(core::Decision::claimed_by_other),
-                     count(core::Decision::started_track), count(core::Decision::rejected_input)});
-  }
-  return "\n" + alignedTable(table) +
-         "NIS: mean squared innovation over its covariance and dimension, 1 for an honest prediction.\n";
-}
-
-/// A row for each topic of tracks and each sensor whose sightings it took: residuals, and the tracks' spans.
-std::vector<core::EvaluationRow> residualRows(const ResidualComparison& comparison) {
-  std::vector<core::EvaluationRow> rows;
-  for (const auto& [name, topic] : comparison.topics()) {
-    for (core::EvaluationRow row : topic.evaluation.rows()) {
-      row.topic = name;
-      row.tracks = topic.spans.tracks();
-      row.coverage = topic.spans.coverage();
-      row.breaks = topic.spans.breaks();
-      rows.push_back(row);
-    }
-  }
-  return rows;
-}
-
-std::string residualTable(const ResidualComparison& comparison) {
-  std::vector<Cells> table = {
-      {"sightings about tracks", "samples", "rms [rad]", "rms/sigma", "stated sigma [rad]", "on no track"}};
-  for (const auto& [name, topic] : comparison.topics()) {
-    for (const core::EvaluationRow& row : topic.evaluation.rows()) {
-      table.push_back({"  " + name + " < " + row.name, std::to_string(row.samples), readable(row.rmse),
-                       decimals(std::sqrt(row.anees_position), 3), readable(row.stated_sigma),
-                       std::to_string(row.unmatched)});
-    }
-  }
-  return alignedTable(table);
-}
-
-std::string spanTable(const ResidualComparison& comparison) {
-  std::vector<Cells> table = {
-      {"tracks", "number", "median [s]", "longest [s]", "with a track", "breaks", "longest [s]"}};
-  for (const auto& [name, topic] : comparison.topics()) {
-    const core::TrackSpans& spans = topic.spans;
-    table.push_back({"  " + name, std::to_string(spans.tracks()), decimals(spans.medianLength(), 2),
-                     decimals(spans.longestLength(), 2), percent(spans.coverage()),
-                     std::to_string(spans.breaks()), decimals(spans.longestBreak(), 2)});
-  }
-  return "\n" + alignedTable(table) +
-         "Breaks: times without a confirmed track between two with one, while reports came at least every "
-         "second.\n";
-}
-
-std::string tableIn(const std::string& folder) {
-  return folder.empty() ? "" : folder + "/evaluation.csv";
-}
+/// Where the pairs, the reports and the figures go.
+struct Output {
+  core::ScoreListener listener;  // empty: nowhere
+  std::string table;             // CSV file of the rows; empty: none
+};
 
 std::string notesOn(const std::map<std::string, std::size_t>& counts, const std::string& what) {
   std::string notes;
@@ -101,74 +42,84 @@ std::string notesOn(const std::map<std::string, std::size_t>& counts, const std:
   return notes;
 }
 
-/// Takes associations of the recording into the statistics.
-auto collecting(Innovations& innovations) {
-  return [&innovations](const std::string& topic, const sightline::AssociationArray& associations) {
+/// Adds the associations of a recording to the statistics of their topic.
+auto addingTo(Innovations& innovations) {
+  return [&innovations](const std::string& topic, const sightline::AssociationArray& message) {
     core::InnovationStatistics& statistics = innovations[topic];
-    for (const auto& association : associations.associations) statistics.add(toCore(association));
+    for (const auto& association : message.associations) statistics.add(toCore(association));
   };
 }
 
 std::string compareWithTruth(RecordingReader& reader, const RecordedTruth& truth,
-                             const std::string& truth_topic, const core::EvaluationParams& params,
-                             const core::ScoreListener& listener, const std::string& csv) {
-  TruthComparison comparison(truth, params, listener);
+                             const BagEvaluationSettings& settings, const Output& output) {
+  TruthComparison comparison(truth, settings.evaluation, output.listener);
   Innovations innovations;
-  reader.read({[&](const std::string& topic, core::Scan scan) { comparison.addScan(topic, std::move(scan)); },
-               [&](const std::string& topic, core::TrackReport report) {
-                 if (topic != truth_topic) comparison.addTracks(topic, std::move(report));
-               },
-               collecting(innovations)});
-  const bool own_truths = truth.motions.size() > 1;
+  RecordingVisitor visitor;
+  visitor.scan = [&](const std::string& topic, core::Scan scan) {
+    comparison.addScan(topic, std::move(scan));
+  };
+  visitor.tracks = [&](const std::string& topic, core::TrackReport tracks) {
+    if (topic != settings.truth) comparison.addTracks(topic, std::move(tracks));
+  };
+  visitor.associations = addingTo(innovations);
+  reader.read(visitor);
+
   const std::vector<core::EvaluationRow> rows = comparison.rows();
   const std::vector<core::TargetRow> targets = comparison.targetRows();
-  if (!csv.empty()) writeEvaluationCsv(csv, rows, targets);
-  return evaluationTable(rows, comparison.bestSigma(), {true, true}) + livesTable(rows) +
-         targetTable(targets) + (own_truths ? "sigma: stated by the sensor whose truth it is.\n" : "") +
-         innovationTable(innovations) +
+  if (!output.table.empty()) report::writeEvaluationCsv(output.table, rows, targets);
+  const bool has_truth_by_sensor = truth.motions.size() > 1;
+  return report::evaluationTable(rows, comparison.bestSigma(), {true, true}) + report::livesTable(rows) +
+         report::targetTable(targets) +
+         (has_truth_by_sensor ? "sigma: stated by the sensor whose truth it is.\n" : "") +
+         report::innovationTable(innovations) +
          notesOn(comparison.withoutTruth(), "messages of sensors without a truth on");
 }
 
-std::string compareWithSightings(RecordingReader& reader, const core::EvaluationParams& params,
-                                 const core::ScoreListener& listener, const std::string& csv) {
-  ResidualComparison comparison(params, listener);
+/// Reads the recording twice: all tracks before the first scan.
+std::string compareWithSightings(RecordingReader& reader, const BagEvaluationSettings& settings,
+                                 const Output& output) {
+  report::ResidualComparison comparison(settings.evaluation, output.listener);
   Innovations innovations;
   bool has_truth = false;
   RecordingVisitor first_pass;
-  first_pass.tracks = [&](const std::string& topic, const core::TrackReport& report) {
-    topic == "/truth" ? void(has_truth = true) : comparison.addTracks(topic, report);
+  first_pass.tracks = [&](const std::string& topic, const core::TrackReport& tracks) {
+    if (topic == kTruthTopic)
+      has_truth = true;
+    else
+      comparison.addTracks(topic, tracks);
   };
-  first_pass.associations = collecting(innovations);
+  first_pass.associations = addingTo(innovations);
   reader.read(first_pass);
   RecordingVisitor second_pass;
   second_pass.scan = [&](const std::string& topic, const core::Scan& scan) {
     comparison.addScan(topic, scan);
   };
   reader.read(second_pass);
-  if (!csv.empty()) writeEvaluationCsv(csv, residualRows(comparison), {});
-  return residualTable(comparison) + spanTable(comparison) + innovationTable(innovations) +
+
+  if (!output.table.empty()) report::writeEvaluationCsv(output.table, report::residualRows(comparison), {});
+  return report::residualTable(comparison) + report::spanTable(comparison) +
+         report::innovationTable(innovations) +
          (has_truth ? "There is a truth in this recording: compare with it by --truth /truth\n" : "");
+}
+
+std::string evaluate(const rosbag::Bag& bag, const BagEvaluationSettings& settings, const Output& output) {
+  const bool has_truth = !settings.truth.empty();
+  RecordedTruth truth;
+  if (has_truth)
+    truth = readTruth(settings.truth, bag, settings.evaluation.channels, settings.evaluation.truth_gap);
+  RecordingReader reader(bag, truth.frame.empty() ? trackingFrameOf(bag) : truth.frame);
+  const std::string tables = has_truth ? compareWithTruth(reader, truth, settings, output)
+                                       : compareWithSightings(reader, settings, output);
+  return tables + notesOn(reader.leftOut(), "messages left out on");
 }
 
 }  // namespace
 
 std::string evaluateBag(const std::string& file, const BagEvaluationSettings& settings) {
   const auto bag = openBag(file);
-  std::optional<JudgementFiles> files;
-  if (!settings.csv.empty()) files.emplace(settings.csv);
-  const core::ScoreListener listener = files ? files->listener() : core::ScoreListener{};
-
-  std::string report;
-  if (settings.truth.empty()) {
-    RecordingReader reader(*bag, trackingFrameOf(*bag));
-    report = compareWithSightings(reader, settings.evaluation, listener, tableIn(settings.csv));
-    return report + notesOn(reader.leftOut(), "messages left out on");
-  }
-  const core::EvaluationParams& params = settings.evaluation;
-  const RecordedTruth truth = readTruth(settings.truth, *bag, params.channels, params.truth_gap);
-  RecordingReader reader(*bag, truth.frame.empty() ? trackingFrameOf(*bag) : truth.frame);
-  report = compareWithTruth(reader, truth, settings.truth, params, listener, tableIn(settings.csv));
-  return report + notesOn(reader.leftOut(), "messages left out on");
+  if (settings.csv.empty()) return evaluate(*bag, settings, {});
+  report::ScoreFiles files(settings.csv);
+  return evaluate(*bag, settings, {files.listener(), settings.csv + "/evaluation.csv"});
 }
 
 }  // namespace sightline_ros

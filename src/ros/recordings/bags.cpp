@@ -52,6 +52,20 @@ bool isTopicPart(const std::string& name) {
   });
 }
 
+std::map<std::string, std::string> topicPartsOf(const std::set<std::string>& sensors) {
+  std::map<std::string, std::string> parts;
+  std::set<std::string> taken = sensors;
+  for (const std::string& sensor : sensors) {
+    std::string part = sensor;
+    for (char& letter : part) {
+      if (!isTopicPart(std::string(1, letter))) letter = '_';
+    }
+    while (part != sensor && !taken.insert(part).second) part += '_';
+    parts[sensor] = part;
+  }
+  return parts;
+}
+
 std::string sensorTopic(const std::string& sensor, const std::string& what) {
   return "/sensors/" + sensor + "/" + what;
 }

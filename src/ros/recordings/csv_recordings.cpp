@@ -24,13 +24,14 @@
 namespace sightline_ros {
 
 namespace core = sightline::core;
+namespace report = sightline::report;
 
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 const char* const kStatusNames[] = {"tentative", "confirmed", "coasting"};
 
-ros::Time stampOf(const CsvTable& table, std::size_t row, double offset) {
+ros::Time stampOf(const report::CsvTable& table, std::size_t row, double offset) {
   const core::Time time = table.time(row, "time") + core::durationOf(offset);
   if (time <= core::Time{}) {
     std::ostringstream complaint;
@@ -47,7 +48,7 @@ ros::Time stampOf(const CsvTable& table, std::size_t row, double offset) {
   }
 }
 
-const std::string& sensorOf(const CsvTable& table, std::size_t row) {
+const std::string& sensorOf(const report::CsvTable& table, std::size_t row) {
   const std::string& sensor = table.text(row, "sensor");
   if (!isTopicPart(sensor)) {
     throw table.error(row,
@@ -58,7 +59,7 @@ const std::string& sensorOf(const CsvTable& table, std::size_t row) {
   return sensor;
 }
 
-sightline::Sighting sightingOf(const CsvTable& table, std::size_t row) {
+sightline::Sighting sightingOf(const report::CsvTable& table, std::size_t row) {
   const Eigen::Vector2d angles(table.number(row, "azimuth", "rad"), table.number(row, "elevation", "rad"));
   const Eigen::Vector2d sigma(table.number(row, "sigma_azimuth", "rad"),
                               table.number(row, "sigma_elevation", "rad"));
@@ -93,12 +94,12 @@ using TrackLines = std::map<std::tuple<ros::Time, std::string>, std::string>;
 
 }  // namespace
 
-CsvTable readSightingTable(const std::string& path) {
-  return CsvTable::fromFile(
+report::CsvTable readSightingTable(const std::string& path) {
+  return report::CsvTable::fromFile(
       path, {"time", "sensor", "azimuth", "elevation", "sigma_azimuth", "sigma_elevation"}, {"scan"});
 }
 
-std::vector<sightline::SightingArray> scansOf(const CsvTable& table, const std::string& frame,
+std::vector<sightline::SightingArray> scansOf(const report::CsvTable& table, const std::string& frame,
                                               double offset) {
   std::vector<sightline::SightingArray> scans;
   std::map<std::pair<std::string, std::string>, std::size_t> scan_of;  // by sensor and name of the scan
@@ -144,7 +145,7 @@ std::string csvOf(const sightline::TrackArray& tracks) {
 std::string convertCsvToBag(const std::string& csv, const std::string& bag_file, const std::string& frame,
                             double offset) {
   const auto scans = scansOf(readSightingTable(csv), frame, offset);
-  if (scans.empty()) throw CsvError(csv + ": there is no sighting in it");
+  if (scans.empty()) throw report::CsvError(csv + ": there is no sighting in it");
   BagWriter bag(bag_file);
   std::set<std::string> topics;
   std::size_t sightings = 0;

@@ -19,6 +19,7 @@
 namespace sightline_ros {
 
 namespace core = sightline::core;
+namespace report = sightline::report;
 using sightline::TrackArray;
 
 namespace {
@@ -30,16 +31,16 @@ std::set<std::string> trackTopicsOf(const rosbag::Bag& bag) {
   return topics;
 }
 
-std::string listOf(const std::set<std::string>& names) {
+std::string topicList(const std::set<std::string>& topics) {
   std::string list;
-  for (const std::string& name : names) list += " " + name;
-  return names.empty() ? " none" : list;
+  for (const std::string& topic : topics) list += " " + topic;
+  return topics.empty() ? " none" : list;
 }
 
 /// Numbers for the names of targets: their own where all are numbers, otherwise in the order of the alphabet.
 class TargetNumbers {
  public:
-  explicit TargetNumbers(const CsvTable& table) {
+  explicit TargetNumbers(const report::CsvTable& table) {
     if (!table.has("target")) return;
     bool all_numbers = true;
     for (std::size_t row = 0; row < table.rows(); ++row) {
@@ -54,7 +55,7 @@ class TargetNumbers {
       number = all_numbers ? static_cast<std::uint32_t>(std::stoul(name)) : next++;
   }
 
-  std::uint32_t of(const CsvTable& table, std::size_t row) const {
+  std::uint32_t of(const report::CsvTable& table, std::size_t row) const {
     return table.has("target") ? numbers_.at(table.text(row, "target")) : 1;
   }
 
@@ -62,7 +63,7 @@ class TargetNumbers {
   std::map<std::string, std::uint32_t> numbers_;
 };
 
-double angle(const CsvTable& table, std::size_t row, const std::string& column, double limit) {
+double angle(const report::CsvTable& table, std::size_t row, const std::string& column, double limit) {
   const double value = table.number(row, column, "rad");
   if (std::abs(value) <= limit) return value;
   throw table.error(row, column + ": expected radians, at most " + std::to_string(limit) + " in size, got " +
@@ -71,7 +72,7 @@ double angle(const CsvTable& table, std::size_t row, const std::string& column, 
 
 using TargetOfSensor = std::pair<std::string, std::uint32_t>;
 
-std::map<TargetOfSensor, std::vector<core::TruthDirection>> directionsOf(const CsvTable& table) {
+std::map<TargetOfSensor, std::vector<core::TruthDirection>> directionsOf(const report::CsvTable& table) {
   std::map<TargetOfSensor, std::vector<core::TruthDirection>> directions;
   const TargetNumbers numbers(table);
   for (std::size_t row = 0; row < table.rows(); ++row) {
@@ -98,19 +99,20 @@ RecordedTruth truthFromBag(const rosbag::Bag& bag, const std::string& topic) {
     truth.motions[""][toCore(message->header.stamp)] = motionsOf(*message);
   }
   if (truth.motions.empty()) {
-    throw std::runtime_error(topic +
-                             ": no message of the bag; its TrackArray topics:" + listOf(trackTopicsOf(bag)));
+    throw std::runtime_error(
+        topic + ": no message of the bag; its TrackArray topics:" + topicList(trackTopicsOf(bag)));
   }
   return truth;
 }
 
 RecordedTruth truthFromCsv(const std::string& path, core::Channels channels, double gap) {
-  const CsvTable table =
-      CsvTable::fromFile(path, {"time", "azimuth"}, {"target", "sensor", "elevation", "range_m"});
+  const report::CsvTable table =
+      report::CsvTable::fromFile(path, {"time", "azimuth"}, {"target", "sensor", "elevation", "range_m"});
   if (!table.has("elevation") && channels != core::Channels::azimuth_only) {
-    throw CsvError(path + ": there is no column elevation; compare azimuths alone with --azimuth-only");
+    throw report::CsvError(path +
+                           ": there is no column elevation; compare azimuths alone with --azimuth-only");
   }
-  if (table.rows() == 0) throw CsvError(path + ": there is a header, but no sample below it");
+  if (table.rows() == 0) throw report::CsvError(path + ": there is a header, but no sample below it");
 
   RecordedTruth truth;
   for (auto& [target, directions] : directionsOf(table)) {
@@ -128,8 +130,8 @@ RecordedTruth readTruth(const std::string& topic_or_csv, const rosbag::Bag& bag,
   const std::set<std::string> topics = trackTopicsOf(bag);
   if (topics.count(topic_or_csv) > 0) return truthFromBag(bag, topic_or_csv);
   if (std::filesystem::is_regular_file(topic_or_csv)) return truthFromCsv(topic_or_csv, channels, gap);
-  throw std::runtime_error(topic_or_csv +
-                           ": neither a file nor one of the TrackArray topics of the bag:" + listOf(topics));
+  throw std::runtime_error(
+      topic_or_csv + ": neither a file nor one of the TrackArray topics of the bag:" + topicList(topics));
 }
 
 }  // namespace sightline_ros

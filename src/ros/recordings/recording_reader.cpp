@@ -56,10 +56,10 @@ void RecordingReader::read(const RecordingVisitor& visitor) {
     const std::string topic = instance.getTopic();
     if (visitor.scan && instance.isType<SightingArray>()) {
       FramedScan scan = framed(messageOf<SightingArray>(instance), frames_, transforms);
-      if (scan.drop_reason.empty()) {
+      if (!scan.refusal) {
         visitor.scan(topic, std::move(scan.scan));
       } else {
-        ++left_out_[topic + ": " + scan.drop_reason];
+        ++left_out_[topic + ": " + scan.refusal->kind];
       }
     } else if (visitor.tracks && instance.isType<TrackArray>()) {
       const auto tracks = messageOf<TrackArray>(instance);

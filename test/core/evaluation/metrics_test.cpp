@@ -82,7 +82,7 @@ TEST(ErrorOf, ACovarianceThatIsNotPositiveDefiniteHasNoNormalisedSquare) {
   EXPECT_NEAR(errorOf(estimate, state(0.0, 0.0)).position.x(), 0.1, 1e-12);
 }
 
-TEST(ErrorOf, ASightingIsJudgedLikeAnEstimate) {
+TEST(ErrorOf, ASightingIsScoredLikeAnEstimate) {
   Eigen::Matrix2d covariance;
   covariance << 4e-6, 1e-6, 1e-6, 3e-6;
   AngularState estimate = state(3.14, 1.2);

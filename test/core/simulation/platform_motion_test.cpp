@@ -79,7 +79,7 @@ TEST(PlatformMotion, SwingGoesThroughItsAnglesOneAfterTheOther) {
 TEST(PlatformMotion, SwingNeedsAPeriod) {
   StraightPlatform straight;
   straight.swing_period = 0.0;
-  EXPECT_NE(faultOf(PlatformMotion(straight)).value().find("swing_period"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(PlatformMotion(straight)).value()).find("swing_period"), std::string::npos);
 }
 
 TEST(PlatformMotion, OrbitKeepsItsRadiusAndTurnsWithItsCourse) {
@@ -105,10 +105,10 @@ TEST(PlatformMotion, OrbitKeepsItsRadiusAndTurnsWithItsCourse) {
 TEST(PlatformMotion, OrbitThatDoesNotMoveIsRefused) {
   OrbitPlatform orbit;
   orbit.angular_rate = 0.0;
-  EXPECT_NE(faultOf(PlatformMotion(orbit)).value().find("fixed"), std::string::npos);
-  EXPECT_FALSE(faultOf(PlatformMotion(OrbitPlatform{})));
-  EXPECT_FALSE(faultOf(PlatformMotion(FixedPlatform{})));
-  EXPECT_FALSE(faultOf(PlatformMotion(StraightPlatform{})));
+  EXPECT_NE(textOf(refusalOf(PlatformMotion(orbit)).value()).find("fixed"), std::string::npos);
+  EXPECT_FALSE(refusalOf(PlatformMotion(OrbitPlatform{})));
+  EXPECT_FALSE(refusalOf(PlatformMotion(FixedPlatform{})));
+  EXPECT_FALSE(refusalOf(PlatformMotion(StraightPlatform{})));
 }
 
 }  // namespace

@@ -89,18 +89,18 @@ TEST(Route, LoopRepeatsSmoothlyForEver) {
 }
 
 TEST(Route, FaultsAreNamed) {
-  EXPECT_FALSE(faultOf(openRoute()));
-  EXPECT_FALSE(faultOf(loopRoundTheHorizon()));
+  EXPECT_FALSE(refusalOf(openRoute()));
+  EXPECT_FALSE(refusalOf(loopRoundTheHorizon()));
 
   Route<3> backwards = openRoute();
   backwards.points[2].time = 2.0;
-  EXPECT_NE(faultOf(backwards).value().find("waypoint 3 at 2 s follows 2 s"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(backwards).value()).find("waypoint 3 at 2 s follows 2 s"), std::string::npos);
 
   Route<3> open = openRoute();
   open.loop = true;
-  EXPECT_NE(faultOf(open).value().find("loop"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(open).value()).find("loop"), std::string::npos);
 
-  EXPECT_NE(faultOf(Route<2>{}).value().find("at least 2 waypoints, got 0"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(Route<2>{}).value()).find("at least 2 waypoints, got 0"), std::string::npos);
 }
 
 }  // namespace

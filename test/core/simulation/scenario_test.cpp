@@ -77,50 +77,51 @@ TEST(Scenario, LeverArmShowsOnNearTargetsOnly) {
 }
 
 TEST(Scenario, FaultsNameTheirPlace) {
-  EXPECT_FALSE(faultOf(paper()));
+  EXPECT_FALSE(refusalOf(paper()));
 
   Scenario twins = paper();
   twins.sensors[1].name = "tracking_1";
-  EXPECT_EQ(faultOf(twins).value(), "sensor tracking_1: its name is given twice");
+  EXPECT_EQ(textOf(refusalOf(twins).value()), "sensor tracking_1: its name is given twice");
 
   Scenario same_id = paper();
   same_id.targets.push_back(same_id.targets[0]);
-  EXPECT_EQ(faultOf(same_id).value(), "target 1: its id is given twice");
+  EXPECT_EQ(textOf(refusalOf(same_id).value()), "target 1: its id is given twice");
 
   Scenario no_id = paper();
   no_id.targets[0].id = 0;
-  EXPECT_EQ(faultOf(no_id).value(), "target 0: its id must be above 0");
+  EXPECT_EQ(textOf(refusalOf(no_id).value()), "target 0: its id must be above 0");
 
   Scenario backwards = paper();
   backwards.targets[0].start = 3.0;
   backwards.targets[0].end = 2.0;
-  EXPECT_NE(faultOf(backwards).value().find("target 1: it must start"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(backwards).value()).find("target 1: it must start"), std::string::npos);
 
   Scenario never_hidden = paper();
   never_hidden.targets[0].invisible = {{3.0, 3.0}};
-  EXPECT_NE(faultOf(never_hidden).value().find("target 1: a time in which it is invisible must"),
+  EXPECT_NE(textOf(refusalOf(never_hidden).value()).find("target 1: a time in which it is invisible must"),
             std::string::npos);
 
   Scenario degrees = paper();
   degrees.sensors[0].field_of_view = {60.0, 40.0};
-  EXPECT_NE(faultOf(degrees).value().find("sensor tracking_1: the field of view"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(degrees).value()).find("sensor tracking_1: the field of view"),
+            std::string::npos);
 
   Scenario no_floor = paper();
   no_floor.sensors[0].relative_sigma = 0.04;
   no_floor.sensors[0].sigma.setZero();
-  EXPECT_NE(faultOf(no_floor).value().find("floor"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(no_floor).value()).find("floor"), std::string::npos);
 
   Scenario crowded = paper();
   crowded.sensors[1].clutter_density = 1e6;
-  EXPECT_NE(faultOf(crowded).value().find("sensor tracking_2: clutter_density"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(crowded).value()).find("sensor tracking_2: clutter_density"), std::string::npos);
 }
 
 TEST(Scenario, SensorsOfOneSequenceMustHaveOneTiming) {
   Scenario scenario = paper();
   for (SimulatedSensor& sensor : scenario.sensors) sensor.sequence = "tracking";
-  EXPECT_FALSE(faultOf(scenario));
+  EXPECT_FALSE(refusalOf(scenario));
   scenario.sensors[1].timing.spread = 0.04;
-  EXPECT_NE(faultOf(scenario).value().find("the same timing"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(scenario).value()).find("the same timing"), std::string::npos);
 }
 
 }  // namespace

@@ -92,14 +92,14 @@ TEST(SightingSequence, FirstExposureCanBeDelayed) {
 }
 
 TEST(SightingSequence, FaultyTimingsAreNamed) {
-  EXPECT_FALSE(faultOf(SightingTiming{}));
+  EXPECT_FALSE(refusalOf(SightingTiming{}));
   SightingTiming narrow;
   narrow.spread = 0.005;
-  EXPECT_NE(faultOf(narrow).value().find("shortest <= spread"), std::string::npos);
-  EXPECT_NE(faultOf(fixedAt(0.0)).value().find("rate"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(narrow).value()).find("shortest <= spread"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(fixedAt(0.0)).value()).find("rate"), std::string::npos);
   SightingTiming early;
   early.first = -1.0;
-  EXPECT_NE(faultOf(early).value().find("first"), std::string::npos);
+  EXPECT_NE(textOf(refusalOf(early).value()).find("first"), std::string::npos);
 }
 
 }  // namespace

@@ -55,13 +55,13 @@ PixelRays camera() {
 
 template <typename Message>
 AdaptedScan adapt(const Message& message, const AdapterTopic& topic, const PixelRays* rays = nullptr) {
-  return settled(read(message, topic, rays), topic, kArrival);
+  return adapt(read(message, topic, rays), topic, kArrival);
 }
 
 void expectRefused(const AdaptedScan& adapted, const std::string& reason, const std::string& part_of_detail) {
   EXPECT_FALSE(adapted.scan);
   ASSERT_FALSE(adapted.refusals.empty());
-  EXPECT_EQ(adapted.refusals[0].reason, reason);
+  EXPECT_EQ(adapted.refusals[0].kind, reason);
   EXPECT_NE(adapted.refusals[0].detail.find(part_of_detail), std::string::npos) << adapted.refusals[0].detail;
   EXPECT_NE(adapted.refusals[0].detail.find("/in"), std::string::npos) << "names the topic";
 }
@@ -179,7 +179,7 @@ TEST(AdapterMessages, ACovarianceThatSaysNothingIsReplacedByTheSigmaOrRefused) {
     const Reading reading = read(message, topic, nullptr);
     EXPECT_EQ(reading.unknown_covariances, 1u) << variance;
     EXPECT_NE(reading.first_unknown.find("variances ("), std::string::npos);
-    EXPECT_NEAR(settled(reading, topic, kArrival).scan->sightings.at(0).covariance[0], 4e-6, 1e-12);
+    EXPECT_NEAR(adapt(reading, topic, kArrival).scan->sightings.at(0).covariance[0], 4e-6, 1e-12);
     expectRefused(adapt(message, topicOf("nav_msgs/Odometry", "stamp: header")), "covariance not known",
                   "set sigma [rad]");
   }
@@ -331,7 +331,7 @@ AdaptedScan adaptAny(const Message& message, const AdapterTopic& topic, const Pi
   ros::serialization::serialize(stream, message);
   const MessageLayout layout(ros::message_traits::datatype<Message>(),
                              ros::message_traits::definition<Message>());
-  return settled(read({bytes.data(), bytes.size()}, layout, topic, rays), topic, kArrival);
+  return adapt(read({bytes.data(), bytes.size()}, layout, topic, rays), topic, kArrival);
 }
 
 TEST(AdapterMessages, AnyMessageIsReadByFieldPaths) {

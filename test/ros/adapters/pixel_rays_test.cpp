@@ -146,7 +146,8 @@ TEST(PixelRays, CamerasThatCannotBeUsedAreRefusedWithTheRemedy) {
     sensor_msgs::CameraInfo camera = wideCamera();
     change(camera);
     EXPECT_THROW(PixelRays(camera, false), std::invalid_argument);
-    return faultOf(camera).value_or("none");
+    const auto refusal = refusalOf(camera);
+    return refusal ? refusal->detail : "none";
   };
   EXPECT_NE(fault([](auto& camera) { camera.K.fill(0.0); }).find("not calibrated (K[0] = 0"),
             std::string::npos);
@@ -154,7 +155,7 @@ TEST(PixelRays, CamerasThatCannotBeUsedAreRefusedWithTheRemedy) {
   EXPECT_NE(fault([](auto& camera) { camera.width = 0; }).find("0x512 pixels"), std::string::npos);
   EXPECT_NE(fault([](auto& camera) { camera.distortion_model = "fov"; }).find("\"fov\" is not known"),
             std::string::npos);
-  EXPECT_FALSE(faultOf(wideCamera()));
+  EXPECT_FALSE(refusalOf(wideCamera()));
 }
 
 TEST(PixelRays, ACameraWithoutRAndPIsTheOneThatKDescribes) {

@@ -1,11 +1,8 @@
 // The sighting adapter as node and as nodelet, seen from outside.
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <nav_msgs/Odometry.h>
 #include <string>
-#include <sys/wait.h>
 #include <utility>
 #include <vector>
 
@@ -25,6 +22,7 @@
 #include "sightline/ros/adapters/pixel_rays.h"
 #include "sightline/ros/diagnosis/transform_subscriber.h"
 
+#include "support/command.h"
 #include "support/received.h"
 
 namespace {
@@ -71,11 +69,11 @@ class SightingAdapter : public testing::Test {
   ros::Publisher camera_info_ = nh_.advertise<sensor_msgs::CameraInfo>("/camera_info", 100);
   ros::Publisher odometry_ = nh_.advertise<nav_msgs::Odometry>("/odometry", 100);
   ros::Publisher any_ = nh_.advertise<sightline::TrackArray>("/any", 100);
-  Heard<sightline::SightingArray> seeker_{nh_, "/sensors/seeker/sightings"};
-  Heard<sightline::SightingArray> camera_{nh_, "/sensors/camera/sightings"};
-  Heard<sightline::SightingArray> wingman_{nh_, "/sensors/wingman/sightings"};
-  Heard<sightline::SightingArray> any_sightings_{nh_, "/sensors/any/sightings"};
-  Heard<diagnostic_msgs::DiagnosticArray> diagnostics_{nh_, "/diagnostics"};
+  Received<sightline::SightingArray> seeker_{nh_, "/sensors/seeker/sightings"};
+  Received<sightline::SightingArray> camera_{nh_, "/sensors/camera/sightings"};
+  Received<sightline::SightingArray> wingman_{nh_, "/sensors/wingman/sightings"};
+  Received<sightline::SightingArray> any_sightings_{nh_, "/sensors/any/sightings"};
+  Received<diagnostic_msgs::DiagnosticArray> diagnostics_{nh_, "/diagnostics"};
 };
 
 TEST_F(SightingAdapter, ADriversDirectionBecomesASightingInNodeAndNodeletAlike) {
@@ -149,13 +147,8 @@ TEST_F(SightingAdapter, AMessageReadByFieldPathsIsReadAndOneInDegreesTooManyIsRe
 }
 
 TEST_F(SightingAdapter, WrongConfigurationEndsTheNodeWithOneLineAndExitCodeOne) {
-  FILE* pipe = popen("rosrun sightline sighting_adapter __name:=wrong 2>&1", "r");
-  ASSERT_NE(pipe, nullptr);
-  std::string said;
-  std::array<char, 512> buffer;
-  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) said += buffer.data();
-  const int status = pclose(pipe);
-  EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 1);
+  const auto [code, said] = outcomeOf("rosrun sightline sighting_adapter __name:=wrong");
+  EXPECT_EQ(code, 1);
   EXPECT_NE(said.find("/wrong/topics: expected a list with an entry for each topic"), std::string::npos)
       << said;
 }

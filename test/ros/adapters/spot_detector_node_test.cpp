@@ -22,6 +22,8 @@
 
 namespace {
 
+namespace core = sightline::core;
+
 constexpr unsigned kWidth = 320, kHeight = 256;  // [px]
 
 class SpotDetectorNode : public testing::Test {
@@ -61,7 +63,7 @@ class SpotDetectorNode : public testing::Test {
   }
 
   /// The node's scan with this stamp, when it has come.
-  static const sightline::SightingArray* scanOf(const Heard<sightline::SightingArray>& heard,
+  static const sightline::SightingArray* scanOf(const Received<sightline::SightingArray>& heard,
                                                 const ros::Time& stamp) {
     for (const auto& scan : heard.messages()) {
       if (scan.header.stamp == stamp) return &scan;
@@ -96,10 +98,10 @@ class SpotDetectorNode : public testing::Test {
   ros::NodeHandle nh_;
   ros::Publisher images_ = nh_.advertise<sensor_msgs::Image>("/camera/image_raw", 100);
   ros::Publisher camera_info_ = nh_.advertise<sensor_msgs::CameraInfo>("/camera/camera_info", 100);
-  Heard<sightline::SightingArray> node_{nh_, "/node/sightings"};
-  Heard<sightline::SightingArray> nodelet_{nh_, "/nodelet/sightings"};
-  Heard<sightline::TrackArray> tracks_{nh_, "/nodelet/tracks"};
-  Heard<diagnostic_msgs::DiagnosticArray> diagnostics_{nh_, "/diagnostics"};
+  Received<sightline::SightingArray> node_{nh_, "/node/sightings"};
+  Received<sightline::SightingArray> nodelet_{nh_, "/nodelet/sightings"};
+  Received<sightline::TrackArray> tracks_{nh_, "/nodelet/tracks"};
+  Received<diagnostic_msgs::DiagnosticArray> diagnostics_{nh_, "/diagnostics"};
 };
 
 TEST_F(SpotDetectorNode, WithoutCalibrationNothingIsSaidAndTheRemedyIs) {
@@ -157,19 +159,15 @@ TEST_F(SpotDetectorNode, ImagesThatDoNotFitTheirCameraOrTheirEncodingAreRefused)
 
 TEST_F(SpotDetectorNode, WithAFieldOfViewInsteadOfACalibrationTheTrackerBehindFollowsTheSpot) {
   double u = 60.0;
+  const auto publishNext = [&] { images_.publish(imageWith(u += 1.0, 100.0)); };
   const auto is_tracked = [&] {
-    images_.publish(imageWith(u += 1.0, 100.0));
-    for (int i = 0; i < 10; ++i) {
-      ros::spinOnce();
-      ros::WallDuration(0.003).sleep();
-    }
     if (tracks_.messages().empty()) return false;
     for (const auto& track : tracks_.messages().back().tracks) {
       if (track.status == sightline::Track::CONFIRMED) return true;
     }
     return false;
   };
-  EXPECT_TRUE(eventually(is_tracked));
+  EXPECT_TRUE(eventually(is_tracked, publishNext, ros::WallDuration(0.03)));
 }
 
 }  // namespace

@@ -20,7 +20,6 @@ using sightline_ros::DisplayScene;
 using sightline_ros::Marker;
 using sightline_ros::MarkerArray;
 using sightline_ros::SensorColours;
-using sightline_ros::TrackMemory;
 using Sheets = std::map<std::string, MarkerArray>;
 
 constexpr double kSigma = 0.02;  // of tracks, unless told otherwise [rad]
@@ -284,31 +283,6 @@ TEST_F(Scene, PictureStaysBoundedWhateverComesIn) {
   EXPECT_LE(sheets.size(), 70U);
   EXPECT_LE(find(sheets, "left", "sightings")->points.size(), 500U);
   EXPECT_LE(find(sheets, DisplayScene::kMainChannel, "histories")->points.size(), 500U);
-}
-
-TEST(TrackMemory, ThinnedPathKeepsItsLengthAndItsNewestPoint) {
-  TrackMemory memory(4.0);
-  for (int i = 0; i <= 10000; ++i) memory.add(report(1.0 + 1e-3 * i, {track(1, 1e-4 * i, 0.0)}), 0.0);
-  const auto& path = memory.pathOf(1);
-  EXPECT_LE(path.size(), 220U);
-  EXPECT_NEAR(core::seconds(path.back().time - path.front().time), 4.0, 0.05);
-  EXPECT_NEAR(path.back().motion.x(), 1.0, 1e-9);
-}
-
-TEST(TrackMemory, AnglesBetweenReportsFollowTheMotion) {
-  TrackMemory memory(4.0);
-  for (int i = 0; i < 5; ++i) {
-    sightline::Track moving = track(1, std::sin(0.1 * i), 0.0);
-    moving.azimuth_rate = std::cos(0.1 * i);
-    memory.add(report(1.0 + 0.1 * i, {moving}), 0.0);
-  }
-  const auto at = [&](double time) { return memory.anglesAt(1, core::timeOf(0) + core::durationOf(time)); };
-  ASSERT_TRUE(at(1.25).has_value());
-  EXPECT_NEAR(at(1.25)->x(), std::sin(0.25), 1e-6);
-  ASSERT_TRUE(at(1.4).has_value());
-  EXPECT_FALSE(at(0.99).has_value());
-  EXPECT_FALSE(at(1.41).has_value());
-  EXPECT_FALSE(memory.anglesAt(2, core::timeOf(0) + core::durationOf(1.2)).has_value());
 }
 
 TEST(TrackDisplayParams, ShippedFileHoldsTheDefaults) {

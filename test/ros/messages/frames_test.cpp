@@ -86,7 +86,7 @@ class Frames : public testing::Test {
 
 TEST_F(Frames, ScanInTheTrackingFrameNeedsNoTransform) {
   const auto framed = resultOf(scanAt(10.0, "platform_enu"));
-  EXPECT_EQ(framed.drop_reason, "");
+  EXPECT_FALSE(framed.refusal);
   ASSERT_EQ(framed.scan.sightings.size(), 1u);
   EXPECT_NEAR(core::anglesOf(framed.scan.sightings[0].direction).x(), 0.1, 1e-12);
   EXPECT_EQ(framed.scan.sensor, "eye");
@@ -99,7 +99,7 @@ TEST_F(Frames, DirectionsAreTurnedByTheTransformAtTheStampOfExposure) {
   setYaw(buffer_, 10.0, "eye_frame", 0.0);
   setYaw(buffer_, 11.0, "eye_frame", 1.0);
   const auto framed = resultOf(scanAt(10.25, "eye_frame"));
-  ASSERT_EQ(framed.drop_reason, "");
+  ASSERT_FALSE(framed.refusal);
   const auto angles = core::anglesOf(framed.scan.sightings[0].direction);
   EXPECT_NEAR(angles.x(), 0.1 + 0.25, 1e-9);
   EXPECT_NEAR(angles.y(), 0.2, 1e-9);
@@ -128,7 +128,7 @@ TEST_F(Frames, FastTurnIsExactBetweenTransformsAtTenHertz) {
   for (int i = 0; i <= 20; ++i) setYaw(buffer_, 10.0 + 0.1 * i, "eye_frame", kRate * 0.1 * i);
   for (const double time : {0.013, 0.05, 0.58, 0.9999, 1.777}) {
     const auto framed = resultOf(scanAt(10.0 + time, "eye_frame"));
-    ASSERT_EQ(framed.drop_reason, "");
+    ASSERT_FALSE(framed.refusal);
     const auto seen = framed.scan.sightings[0].direction;
     EXPECT_LT((seen - core::directionOf({0.1 + kRate * time, 0.2})).norm(), 1e-8) << time;
   }
@@ -157,9 +157,9 @@ TEST_F(Frames, ExtrapolationIsRefusedWithItsRemedy) {
     frames().add(shared(scan), at(time));
     const auto released = frames().release(at(time + params_.tf_timeout));
     ASSERT_EQ(released.size(), 1u);
-    EXPECT_EQ(released[0].drop_reason, "no transform");
-    EXPECT_NE(released[0].drop_detail.find("never extrapolated"), std::string::npos)
-        << released[0].drop_detail;
+    EXPECT_EQ(released[0].refusal.value().kind, "no transform");
+    EXPECT_NE(released[0].refusal.value().detail.find("never extrapolated"), std::string::npos)
+        << released[0].refusal.value().detail;
   }
 }
 
@@ -231,7 +231,7 @@ TEST_F(Frames, ScanWaitsForItsTransformAndGoesOnAsSoonAsItIsThere) {
   setYaw(buffer_, 10.5, "eye_frame", 0.0);
   const auto released = frames().release(at(10.2));
   ASSERT_EQ(released.size(), 1u);
-  EXPECT_EQ(released[0].drop_reason, "");
+  EXPECT_FALSE(released[0].refusal);
   EXPECT_EQ(frames().waiting(), 0u);
 }
 
@@ -241,9 +241,9 @@ TEST_F(Frames, ScanIsDroppedWithItsReasonAfterTheTimeout) {
   EXPECT_TRUE(frames().release(at(100.4)).empty());
   const auto released = frames().release(at(100.5));
   ASSERT_EQ(released.size(), 1u);
-  EXPECT_EQ(released[0].drop_reason, "no transform");
-  EXPECT_NE(released[0].drop_detail.find("nowhere"), std::string::npos);
-  EXPECT_NE(released[0].drop_detail.find("tf_timeout 0.5 s"), std::string::npos);
+  EXPECT_EQ(released[0].refusal.value().kind, "no transform");
+  EXPECT_NE(released[0].refusal.value().detail.find("nowhere"), std::string::npos);
+  EXPECT_NE(released[0].refusal.value().detail.find("tf_timeout 0.5 s"), std::string::npos);
   EXPECT_EQ(released[0].scan.sensor, "eye");
 }
 
@@ -270,7 +270,7 @@ TEST_F(Frames, WaitingIsBoundedInNumberAndTheOldestMakesRoom) {
   const auto released = frames().release(at(10.0));
   ASSERT_EQ(released.size(), 1u);
   EXPECT_EQ(released[0].scan.sensor, "a");
-  EXPECT_EQ(released[0].drop_reason, "too many waiting");
+  EXPECT_EQ(released[0].refusal.value().kind, "too many waiting");
   EXPECT_EQ(frames().waiting(), 2u);
 }
 
@@ -285,7 +285,7 @@ TEST_F(Frames, BadSightingIsRejectedWithItsReasonAndTheOthersAreKept) {
   auto scan = scanAt(10.0, "platform_enu");
   scan.sightings = {sighting(0.1, 0.2), sighting(kNaN, 0.0), sighting(0.3, 0.2), sighting(0.0, 0.0, 0.0)};
   const auto framed = resultOf(scan);
-  EXPECT_EQ(framed.drop_reason, "");
+  EXPECT_FALSE(framed.refusal);
   EXPECT_EQ(framed.scan.sightings.size(), 4u);
   ASSERT_EQ(framed.rejections.size(), 2u);
   EXPECT_EQ(framed.rejections[0].first, 1u);
@@ -298,10 +298,10 @@ TEST_F(Frames, BadSightingIsRejectedWithItsReasonAndTheOthersAreKept) {
 TEST_F(Frames, EmptyScanIsGoodButOneWithBadSightingsOnlySaysNothing) {
   auto scan = scanAt(10.0, "platform_enu");
   scan.sightings.clear();
-  EXPECT_EQ(resultOf(scan).drop_reason, "");
+  EXPECT_FALSE(resultOf(scan).refusal);
   scan.sightings = {sighting(kNaN, 0.0)};
   const auto framed = resultOf(scan);
-  EXPECT_EQ(framed.drop_reason, "no usable sighting");
+  EXPECT_EQ(framed.refusal.value().kind, "no usable sighting");
   EXPECT_EQ(framed.rejections.size(), 1u);
 }
 
@@ -309,19 +309,19 @@ TEST_F(Frames, ScanFromTheFutureIsRefusedButOnlyWhereThereIsAClock) {
   params_.max_future = 0.1;
   const auto scan = shared(scanAt(10.0, "platform_enu"));
   frames().add(scan, at(9.8));
-  EXPECT_EQ(frames().release(at(9.8)).at(0).drop_reason, "from the future");
+  EXPECT_EQ(frames().release(at(9.8)).at(0).refusal.value().kind, "from the future");
   frames().add(scan, at(9.95));
-  EXPECT_EQ(frames().release(at(9.95)).at(0).drop_reason, "");
+  EXPECT_FALSE(frames().release(at(9.95)).at(0).refusal);
   frames().add(scan, at(0.0));
-  EXPECT_EQ(frames().release(at(0.0)).at(0).drop_reason, "");
+  EXPECT_FALSE(frames().release(at(0.0)).at(0).refusal);
 }
 
 TEST_F(Frames, BadHeadersAreRefusedByNameOfTheField) {
   const auto refused = [](const std::function<void(sightline::SightingArray&)>& spoil) {
     auto scan = scanAt(10.0, "platform_enu");
     spoil(scan);
-    const auto complaint = sightline_ros::complaintAbout(scan);
-    return complaint ? complaint->second : "";
+    const auto refusal = sightline_ros::refusalOf(scan);
+    return refusal ? refusal->detail : "";
   };
   EXPECT_NE(refused([](auto& scan) { scan.header.stamp = ros::Time(); }).find("header.stamp"),
             std::string::npos);

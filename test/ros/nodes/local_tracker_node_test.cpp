@@ -1,11 +1,8 @@
 // The local tracker as node and as nodelet, seen from outside: topics in, topics and diagnostics out.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <string>
-#include <sys/wait.h>
 #include <utility>
 #include <vector>
 
@@ -18,6 +15,7 @@
 #include <sightline/TrackArray.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include "support/command.h"
 #include "support/received.h"
 
 namespace {
@@ -87,8 +85,8 @@ class LocalTrackerNode : public testing::Test {
   }
 
   /// The confirmed track near `azimuth` at `stamp` or later.
-  static const sightline::Track* confirmed(const Heard<sightline::TrackArray>& heard, const ros::Time& stamp,
-                                           double azimuth) {
+  static const sightline::Track* confirmed(const Received<sightline::TrackArray>& heard,
+                                           const ros::Time& stamp, double azimuth) {
     for (const auto& message : heard.messages()) {
       if (message.header.stamp < stamp) continue;
       for (const auto& track : message.tracks) {
@@ -103,10 +101,10 @@ class LocalTrackerNode : public testing::Test {
   ros::Publisher a_ = nh_.advertise<sightline::SightingArray>("/sightings/a", 100);
   ros::Publisher b_ = nh_.advertise<sightline::SightingArray>("/sightings/b", 100);
   ros::Publisher tf_ = nh_.advertise<tf2_msgs::TFMessage>("/tf", 100);
-  Heard<sightline::TrackArray> tracks_{nh_, "/node/tracks"};
-  Heard<sightline::TrackArray> nodelet_tracks_{nh_, "/nodelet/tracks"};
-  Heard<sightline::AssociationArray> associations_{nh_, "/node/associations"};
-  Heard<diagnostic_msgs::DiagnosticArray> diagnostics_{nh_, "/diagnostics"};
+  Received<sightline::TrackArray> tracks_{nh_, "/node/tracks"};
+  Received<sightline::TrackArray> nodelet_tracks_{nh_, "/nodelet/tracks"};
+  Received<sightline::AssociationArray> associations_{nh_, "/node/associations"};
+  Received<diagnostic_msgs::DiagnosticArray> diagnostics_{nh_, "/diagnostics"};
 };
 
 TEST_F(LocalTrackerNode, SightingsBecomeAConfirmedTrackInNodeAndNodeletAlike) {
@@ -192,17 +190,6 @@ TEST_F(LocalTrackerNode, TargetOfASensorThatWasSilentIsFoundAgainUnderANewId) {
   const ros::Time after = showTarget(0.9);
   ASSERT_TRUE(eventually([&] { return confirmed(tracks_, after, 0.9) != nullptr; }));
   EXPECT_GT(confirmed(tracks_, after, 0.9)->id, old_id);
-}
-
-/// Runs a command; its exit code and everything it said.
-std::pair<int, std::string> outcomeOf(const std::string& command) {
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return {-1, "cannot start " + command};
-  std::string said;
-  std::array<char, 512> buffer;
-  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) said += buffer.data();
-  const int status = pclose(pipe);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, said};
 }
 
 TEST_F(LocalTrackerNode, WrongConfigurationEndsTheNodeWithOneLineAndExitCodeOne) {

@@ -19,23 +19,15 @@
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/params/scenario_params.h"
 
+#include "support/waiting.h"
+
 namespace {
 
 namespace core = sightline::core;
 using sightline_ros::toCore;
 using sightline_ros::toRos;
 
-constexpr double kLimit = 40.0;  // [s] until an event is given up
 constexpr std::size_t kScans = 40;
-
-bool waitUntil(const std::function<bool()>& has_happened) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kLimit);
-  while (!has_happened() && ros::WallTime::now() < end && ros::ok()) {
-    ros::spinOnce();
-    ros::WallDuration(0.002).sleep();
-  }
-  return has_happened();
-}
 
 core::Scenario scenario() {
   return sightline_ros::loadScenario(sightline_ros::ParamReader(ros::NodeHandle("/scenario")));
@@ -115,9 +107,9 @@ TEST(SensorSimulatorNode, PlaysTheScansOfTheCoreAsNodeAndAsNodelet) {
     return true;
   };
   ros::Publisher starter = nh.advertise<std_msgs::Time>("/scenario/start", 1, true);
-  ASSERT_TRUE(waitUntil([&] { return all([](Listener& l) { return l.connected(); }); }))
+  ASSERT_TRUE(eventually([&] { return all([](Listener& l) { return l.connected(); }); }))
       << "a node is missing";
-  ASSERT_TRUE(waitUntil([&] { return starter.getNumSubscribers() >= 3; }));  // two nodes and the manager
+  ASSERT_TRUE(eventually([&] { return starter.getNumSubscribers() >= 3; }));  // two nodes and the manager
   EXPECT_TRUE(all([](Listener& l) { return l.count() == 0; })) << "a sensor did not wait for the start";
 
   // A second start, as of a truth publisher that was started again, begins everything anew.
@@ -126,7 +118,7 @@ TEST(SensorSimulatorNode, PlaysTheScansOfTheCoreAsNodeAndAsNodelet) {
     start.data = ros::Time::now() + ros::Duration(2.0);
     for (auto& listener : listeners) listener.second.listenFrom(start.data);
     starter.publish(start);
-    ASSERT_TRUE(waitUntil([&] { return all([](Listener& l) { return l.count() >= kScans; }); }));
+    ASSERT_TRUE(eventually([&] { return all([](Listener& l) { return l.count() >= kScans; }); }));
     for (const auto& listener : listeners) {
       SCOPED_TRACE(listener.first);
       listener.second.expectScansOf(listener.first.find("eye") != std::string::npos ? "eye" : "ear",
@@ -144,7 +136,7 @@ TEST(SensorSimulatorNode, MountsOfAllSensorsAreKnownToLateListeners) {
       });
   const auto known = scenario();
   for (const core::SimulatedSensor& sensor : known.sensors) {
-    ASSERT_TRUE(waitUntil([&] { return transforms.canTransform("platform", sensor.name, ros::Time(0)); }))
+    ASSERT_TRUE(eventually([&] { return transforms.canTransform("platform", sensor.name, ros::Time(0)); }))
         << sensor.name;
     const auto transform = transforms.lookupTransform("platform", sensor.name, ros::Time(0)).transform;
     const Eigen::Quaterniond turn(transform.rotation.w, transform.rotation.x, transform.rotation.y,

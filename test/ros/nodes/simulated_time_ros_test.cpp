@@ -1,6 +1,5 @@
 // Truth publisher and sensor under a simulated clock that the test drives.
 #include <cmath>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -19,13 +18,13 @@
 #include "sightline/ros/nodes/pacer.h"
 #include "sightline/ros/params/scenario_params.h"
 
+#include "support/waiting.h"
+
 namespace {
 
 namespace core = sightline::core;
 using sightline_ros::toCore;
 using sightline_ros::toRos;
-
-constexpr double kLimit = 40.0;  // [s] of the wall's clock, until an event is given up
 
 class SimulatedTime : public testing::Test {
  protected:
@@ -40,15 +39,6 @@ class SimulatedTime : public testing::Test {
             [this](const sightline::TrackArray::ConstPtr& tracks) { truths_.push_back(tracks); })),
         start_subscriber_(nh_.subscribe<std_msgs::Time>(
             "/scenario/start", 1, [this](const std_msgs::Time::ConstPtr& start) { start_ = start->data; })) {}
-
-  static bool waitUntil(const std::function<bool()>& has_happened) {
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kLimit);
-    while (!has_happened() && ros::WallTime::now() < end && ros::ok()) {
-      ros::spinOnce();
-      ros::WallDuration(0.002).sleep();
-    }
-    return has_happened();
-  }
 
   void setClock(const ros::Time& now) {
     rosgraph_msgs::Clock message;
@@ -79,13 +69,13 @@ class SimulatedTime : public testing::Test {
 };
 
 TEST_F(SimulatedTime, EverythingComesAtItsTimeAndNothingIsLeftOut) {
-  ASSERT_TRUE(waitUntil([&] {
+  ASSERT_TRUE(eventually([&] {
     return clock_.getNumSubscribers() >= 3 && sightings_.getNumPublishers() > 0 &&
            truth_.getNumPublishers() > 0;
   })) << "a node is missing";
 
   const ros::Time begin(1000.0);
-  ASSERT_TRUE(waitUntil([&] {
+  ASSERT_TRUE(eventually([&] {
     setClock(begin);
     return !start_.isZero();
   })) << "no start under simulated time";
@@ -97,7 +87,7 @@ TEST_F(SimulatedTime, EverythingComesAtItsTimeAndNothingIsLeftOut) {
     setClock(now);
     const std::size_t scans = scansDue(now), truths = truthsDue(now);
     // Said again while waiting: a node whose subscription comes up now would miss it.
-    ASSERT_TRUE(waitUntil([&] {
+    ASSERT_TRUE(eventually([&] {
       setClock(now);
       return scans_.size() >= scans && truths_.size() >= truths;
     })) << scans_.size()
@@ -114,7 +104,7 @@ TEST_F(SimulatedTime, EverythingComesAtItsTimeAndNothingIsLeftOut) {
 TEST_F(SimulatedTime, WorkIsDoneAtItsTimeThoughTheClockJumpsPastItAndStandsStillThere) {
   const ros::Time begin(5000.0);
   const auto jumpTo = [&](const ros::Time& now) {
-    return waitUntil([&] {
+    return eventually([&] {
       setClock(now);
       return ros::Time::now() == now;
     });
@@ -125,16 +115,17 @@ TEST_F(SimulatedTime, WorkIsDoneAtItsTimeThoughTheClockJumpsPastItAndStandsStill
     runs.push_back(now);
     if (runs.size() == 1) {  // while the work is done, the clock goes past the time that it asks for
       setClock(begin + ros::Duration(0.3));
-      while (ros::Time::now() == begin && ros::ok()) ros::WallDuration(0.001).sleep();
+      while (ros::Time::now() == begin && ros::ok())
+        ros::WallDuration(0.001).sleep();  // a callback: none can be served here
       return begin + ros::Duration(0.1);
     }
     if (runs.size() == 2) return begin + ros::Duration(0.4);
     return std::nullopt;
   });
   pacer.wake();
-  ASSERT_TRUE(waitUntil([&] { return runs.size() == 2; })) << "asked for a time that has passed";
+  ASSERT_TRUE(eventually([&] { return runs.size() == 2; })) << "asked for a time that has passed";
   ASSERT_TRUE(jumpTo(begin + ros::Duration(0.4)));
-  ASSERT_TRUE(waitUntil([&] { return runs.size() == 3; })) << "the clock stands at the time asked for";
+  ASSERT_TRUE(eventually([&] { return runs.size() == 3; })) << "the clock stands at the time asked for";
   EXPECT_EQ(runs, (std::vector<ros::Time>{begin, begin + ros::Duration(0.3), begin + ros::Duration(0.4)}));
 }
 
@@ -145,7 +136,7 @@ TEST_F(SimulatedTime, FixedPlatformIsKnownAtEveryTime) {
         for (const auto& transform : message->transforms) transforms.setTransform(transform, "test", true);
       });
   const ros::Time any(123.0);
-  ASSERT_TRUE(waitUntil([&] {
+  ASSERT_TRUE(eventually([&] {
     return transforms.canTransform("world", "eye", any) &&
            transforms.canTransform("world", "platform_enu", any);
   }));

@@ -269,8 +269,8 @@ class Nodes : public testing::Test {
 
   ros::NodeHandle nh_;
   std::map<std::string, ros::Publisher> sightings_;
-  Heard<sightline::TrackArray> tracks_{nh_, "/fusion/tracks"};
-  Heard<sightline::FusionReport> reports_{nh_, "/fusion/report"};
+  Received<sightline::TrackArray> tracks_{nh_, "/fusion/tracks"};
+  Received<sightline::FusionReport> reports_{nh_, "/fusion/report"};
   std::size_t before_ = 0;  // of the reports, those before the recording
 };
 

@@ -10,12 +10,14 @@
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include "support/waiting.h"
+
 namespace {
 
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
-constexpr double kLimit = 60.0;  // [s], only reached by a failure
+constexpr double kPace = 0.02;  // of what is published meanwhile [s]
 
 /// A topic of the display, and what was published on it.
 class Channel {
@@ -47,21 +49,13 @@ class Channel {
   ros::Subscriber subscriber_;
 };
 
-/// Until it is so, or the limit is over; `meanwhile` at about 50 Hz.
-bool waitFor(
-    const std::function<bool()>& so, const std::function<void()>& meanwhile = [] {}) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kLimit);
-  while (ros::ok() && ros::WallTime::now() < end) {
-    meanwhile();
-    ros::WallDuration(0.02).sleep();
-    ros::spinOnce();
-    if (so()) return true;
-  }
-  return false;
-}
-
 class TrackDisplay : public testing::Test {
  protected:
+  static bool eventually(
+      const std::function<bool()>& condition, const std::function<void()>& meanwhile = [] {}) {
+    return ::eventually(condition, meanwhile, ros::WallDuration(kPace));
+  }
+
   TrackDisplay() {
     transforms_ = nh_.advertise<tf2_msgs::TFMessage>("/tf_static", 1, true);
     sightings_ = nh_.advertise<sightline::SightingArray>("/sensors/acquisition_1/sightings", 10);
@@ -110,7 +104,7 @@ class TrackDisplay : public testing::Test {
 TEST_F(TrackDisplay, ShowsSightingsInTheTrackingFrame) {
   Channel channel(nh_, "/display/acquisition_1");
   publishTransform();
-  ASSERT_TRUE(waitFor([&] { return channel.shows("sightings"); }, [this] { publishScan(); }));
+  ASSERT_TRUE(eventually([&] { return channel.shows("sightings"); }, [this] { publishScan(); }));
   const Marker& dots = channel.marker("sightings");
   EXPECT_EQ(dots.header.frame_id, "platform_enu");
   EXPECT_NEAR(dots.points.at(0).x, 0.0, 1e-6);
@@ -123,7 +117,7 @@ TEST_F(TrackDisplay, ShowsTheMainTrackWithItsLabelAndTheTruth) {
     publishTracks(tracks_, "platform_enu");
     publishTracks(truth_, "platform_enu");
   };
-  ASSERT_TRUE(waitFor([&] { return fusion.shows("labels") && truth.shows("targets"); }, publish));
+  ASSERT_TRUE(eventually([&] { return fusion.shows("labels") && truth.shows("targets"); }, publish));
   EXPECT_NE(fusion.marker("labels").text.find("track 1"), std::string::npos);
   EXPECT_GT(fusion.marker("tracks").lifetime.toSec(), 0.0);
 }
@@ -134,7 +128,8 @@ TEST_F(TrackDisplay, ShowsEverythingOnOneTopicToo) {
     publishTracks(tracks_, "platform_enu");
     publishTracks(truth_, "platform_enu");
   };
-  EXPECT_TRUE(waitFor([&] { return all.shows("fusion: tracks") && all.shows("truth: targets"); }, publish));
+  EXPECT_TRUE(
+      eventually([&] { return all.shows("fusion: tracks") && all.shows("truth: targets"); }, publish));
 }
 
 TEST_F(TrackDisplay, TurnsTheViewFrameTowardsTheTrack) {
@@ -146,49 +141,50 @@ TEST_F(TrackDisplay, TurnsTheViewFrameTowardsTheTrack) {
   };
   const ros::Subscriber subscriber = nh_.subscribe<tf2_msgs::TFMessage>(
       "/tf_static", 10, boost::function<void(const tf2_msgs::TFMessage::ConstPtr&)>(take));
-  EXPECT_TRUE(waitFor([&] { return !child.empty(); }, [this] { publishTracks(tracks_, "platform_enu"); }));
+  EXPECT_TRUE(eventually([&] { return !child.empty(); }, [this] { publishTracks(tracks_, "platform_enu"); }));
   EXPECT_EQ(child, "platform_enu");
 }
 
 TEST_F(TrackDisplay, ClearsWhatIsNotReportedAnyMore) {
   Channel fusion(nh_, "/display/fusion");
   ASSERT_TRUE(
-      waitFor([&] { return fusion.shows("tracks"); }, [this] { publishTracks(tracks_, "platform_enu"); }));
-  EXPECT_TRUE(waitFor([&] { return !fusion.shows("tracks"); }));
+      eventually([&] { return fusion.shows("tracks"); }, [this] { publishTracks(tracks_, "platform_enu"); }));
+  EXPECT_TRUE(eventually([&] { return !fusion.shows("tracks"); }));
 }
 
 TEST_F(TrackDisplay, PublishesNotFasterThanItsRateWhateverComesIn) {
   Channel fusion(nh_, "/display/fusion");
   ASSERT_TRUE(
-      waitFor([&] { return fusion.shows("tracks"); }, [this] { publishTracks(tracks_, "platform_enu"); }));
+      eventually([&] { return fusion.shows("tracks"); }, [this] { publishTracks(tracks_, "platform_enu"); }));
   const int before = fusion.arrays();
   int reports = 0;
-  ASSERT_TRUE(waitFor([&] { return fusion.arrays() >= before + 5; },
-                      [&] {
-                        for (int i = 0; i < 40; ++i, ++reports) publishTracks(tracks_, "platform_enu");
-                      }));
+  ASSERT_TRUE(eventually([&] { return fusion.arrays() >= before + 5; },
+                         [&] {
+                           for (int i = 0; i < 40; ++i, ++reports) publishTracks(tracks_, "platform_enu");
+                         }));
   EXPECT_LT(5 * (fusion.arrays() - before), reports);
 }
 
 TEST_F(TrackDisplay, LeavesTracksOfAnotherFrameOut) {
   Channel local(nh_, "/display/tracking_1"), truth(nh_, "/display/truth");
   const ros::Publisher tracks = nh_.advertise<sightline::TrackArray>("/sensors/tracking_1/tracks", 10);
-  ASSERT_TRUE(waitFor([&] { return tracks.getNumSubscribers() > 0; }));
+  ASSERT_TRUE(eventually([&] { return tracks.getNumSubscribers() > 0; }));
   const auto publish = [&] {
     publishTracks(tracks, "elsewhere");
     publishTracks(truth_, "platform_enu");
   };
   const int before = truth.arrays();
-  ASSERT_TRUE(waitFor([&] { return truth.arrays() >= before + 20; }, publish));
+  ASSERT_TRUE(eventually([&] { return truth.arrays() >= before + 20; }, publish));
   EXPECT_FALSE(local.shows("tracks"));
   // The same in the right frame is shown.
-  EXPECT_TRUE(waitFor([&] { return local.shows("tracks"); }, [&] { publishTracks(tracks, "platform_enu"); }));
+  EXPECT_TRUE(
+      eventually([&] { return local.shows("tracks"); }, [&] { publishTracks(tracks, "platform_enu"); }));
 }
 
 TEST_F(TrackDisplay, ShowsTheGridAndTheFieldsOfViewToLatecomers) {
   Channel grid(nh_, "/display/grid"), sensor(nh_, "/display/acquisition_1"), absent(nh_, "/display/absent");
   publishTransform();
-  ASSERT_TRUE(waitFor([&] { return grid.shows("lines") && sensor.shows("field of view"); }));
+  ASSERT_TRUE(eventually([&] { return grid.shows("lines") && sensor.shows("field of view"); }));
   EXPECT_FALSE(absent.shows("field of view")) << "a sensor without a frame is not running";
   EXPECT_EQ(sensor.marker("field of view").header.frame_id, "acquisition_1");
 }

@@ -2,7 +2,6 @@
 // errors.
 #include <cmath>
 #include <csignal>
-#include <functional>
 #include <memory>
 #include <poll.h>
 #include <sys/wait.h>
@@ -19,23 +18,15 @@
 
 #include "sightline/core/model/sphere.h"
 
+#include "support/waiting.h"
+
 namespace {
 
 namespace core = sightline::core;
 
-constexpr double kLimit = 30.0;  // [s] until an event is given up
-constexpr double kStep = 0.05;   // [s] between instants
+constexpr double kStep = 0.05;  // [s] between instants
 constexpr int kInstants = 61;
 constexpr double kSigma = 0.01;  // stated by the sensor "level" [rad]; "tilted" states twice that
-
-bool waitUntil(const std::function<bool()>& has_happened) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kLimit);
-  while (!has_happened() && ros::WallTime::now() < end && ros::ok()) {
-    ros::spinOnce();
-    ros::WallDuration(0.01).sleep();
-  }
-  return has_happened();
-}
 
 /// Along the horizon, where arcs are angles.
 Eigen::Vector4d truthAt(double t) {
@@ -83,7 +74,7 @@ class SyntheticRun {
   }
 
   bool waitForListeners(std::uint32_t count) const {
-    return waitUntil([&] {
+    return eventually([&] {
       for (const ros::Publisher& publisher : {truth_, local_, fused_, level_, tilted_, frames_}) {
         if (publisher.getNumSubscribers() < count) return false;
       }
@@ -173,7 +164,7 @@ class Child {
 
   /// Reads until `part` was printed, or everything up to its end when that is empty.
   bool readUntil(const std::string& part = "") {
-    return waitUntil([&] {
+    return eventually([&] {
       readSome();
       return part.empty() ? ended_ : text_.find(part) != std::string::npos;
     });
@@ -228,7 +219,7 @@ TEST_F(TrackEvaluator, PublishesTheErrorsThatWereMade) {
   SyntheticRun run;
   ASSERT_TRUE(run.waitForListeners(1));
   run.publish();
-  ASSERT_TRUE(waitUntil([&] {
+  ASSERT_TRUE(eventually([&] {
     if (evaluation.rows.size() != 4) return false;
     for (const auto& row : evaluation.rows) {
       if (row.samples < kInstants) return false;

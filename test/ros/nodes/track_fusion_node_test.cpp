@@ -1,11 +1,8 @@
 // The track fusion as node and as nodelet, seen from outside: topics in, topics and diagnostics out.
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <string>
-#include <sys/wait.h>
 #include <utility>
 #include <vector>
 
@@ -17,6 +14,7 @@
 #include <sightline/TrackArray.h>
 #include <sightline/TrackletArray.h>
 
+#include "support/command.h"
 #include "support/received.h"
 
 namespace {
@@ -208,17 +206,6 @@ TEST_F(TrackFusionNode, DiagnosticsShowEverySource) {
       });
   EXPECT_TRUE(
       eventually([&rate] { return !rate.empty() && std::stod(rate) > 0.0; }, [this] { speakBoth(); }));
-}
-
-/// Runs a command; its exit code and everything it said.
-std::pair<int, std::string> outcomeOf(const std::string& command) {
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return {-1, "cannot start " + command};
-  std::string said;
-  std::array<char, 512> buffer;
-  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) said += buffer.data();
-  const int status = pclose(pipe);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, said};
 }
 
 /// Expects that the node /wrong, whose parameters are set, ends with this complaint, one line and exit

@@ -1,6 +1,5 @@
 // The truth as it is published against the core's, and the platform's transforms with it.
 #include <algorithm>
-#include <functional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -17,21 +16,12 @@
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/params/scenario_params.h"
 
+#include "support/waiting.h"
+
 namespace {
 
 namespace core = sightline::core;
 using sightline_ros::toCore;
-
-constexpr double kLimit = 40.0;  // [s] until an event is given up
-
-bool waitUntil(const std::function<bool()>& has_happened) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kLimit);
-  while (!has_happened() && ros::WallTime::now() < end && ros::ok()) {
-    ros::spinOnce();
-    ros::WallDuration(0.002).sleep();
-  }
-  return has_happened();
-}
 
 /// Everything the node says in the scenario's three seconds.
 class TruthPublisherNode : public testing::Test {
@@ -50,14 +40,14 @@ class TruthPublisherNode : public testing::Test {
     const ros::Subscriber start = nh.subscribe<std_msgs::Time>(
         "/scenario/start", 1, +[](const std_msgs::Time::ConstPtr& message) { start_ = message->data; });
     const ros::Publisher clock = nh.advertise<rosgraph_msgs::Clock>("/clock", 100);
-    waitUntil([&] {
+    eventually([&] {
       return truth.getNumPublishers() > 0 && tf.getNumPublishers() > 0 && clock.getNumSubscribers() > 1;
     });
     for (int step = 0; step <= 100 && truth_.size() < 300; ++step) {
       rosgraph_msgs::Clock now;
       now.clock = ros::Time(5000.0) + ros::Duration(0.04 * step);
       clock.publish(now);
-      waitUntil([&] { return !start_.isZero() && truth_.size() >= due(now.clock); });
+      eventually([&] { return !start_.isZero() && truth_.size() >= due(now.clock); });
     }
   }
 
@@ -133,7 +123,7 @@ TEST_F(TruthPublisherNode, StatesAreExactWithCovarianceZero) {
 
 TEST_F(TruthPublisherNode, TransformsFollowThePlatformAtEachStamp) {
   const ros::Time last = truth_.back()->header.stamp;
-  ASSERT_TRUE(waitUntil([&] { return transforms_->canTransform("world", "platform", last); }));
+  ASSERT_TRUE(eventually([&] { return transforms_->canTransform("world", "platform", last); }));
   for (const double time : {0.0, 0.5, 1.234, 2.99}) {
     const core::PlatformState platform = core::platformAt(scenario_->platform, time);
     for (const char* frame : {"platform", "platform_enu"}) {

@@ -19,10 +19,10 @@
 
 namespace {
 
+using sightline::report::CsvError;
+using sightline::report::CsvTable;
 using sightline_ros::convertBagToCsv;
 using sightline_ros::convertCsvToBag;
-using sightline_ros::CsvError;
-using sightline_ros::CsvTable;
 using sightline_ros::scansOf;
 
 const std::string kHeader = "time,sensor,azimuth,elevation,sigma_azimuth,sigma_elevation";

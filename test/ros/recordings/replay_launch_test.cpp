@@ -15,8 +15,6 @@
 
 namespace {
 
-constexpr double kPatience = 60.0;  // [s]
-
 /// Two sensors that see a target go from azimuth 0.1 to 0.6 rad within 10 s, from time 100 s on.
 std::string recordingOfTwoSensors(const ScratchFolder& folder) {
   std::ostringstream csv;
@@ -62,12 +60,7 @@ TEST(ReplayLaunch, RecordingIsTrackedBySensorOverAllAndFused) {
       fused(nh, "/fusion/tracks");
   Launch launch("replay.launch",
                 {"bag:=" + recordingOfTwoSensors(folder), "sensors:=left right", "rviz:=false", "rate:=2"});
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
-  while (!launch.exitCode() && ros::WallTime::now() < end) {
-    ros::spinOnce();
-    ros::WallDuration(0.01).sleep();
-  }
-  ASSERT_TRUE(launch.exitCode()) << "the launch did not end with the recording";
+  ASSERT_TRUE(launch.endsWithin(kPatience)) << "the launch did not end with the recording";
   for (const Newest* newest : {&left, &all, &fused}) {
     EXPECT_GT(newest->stamp(), 109.0);
     EXPECT_TRUE(newest->isOnTarget());

@@ -8,12 +8,12 @@
 
 namespace sightline::core {
 
-/// How one tracker took up the targets: told at every report which track each target had, it says how long
-/// after a target's appearance its first believed track came, and how much of an appearance one track held.
-/// An appearance is a target's time without a gap.
+/// How soon and how completely one tracker follows the targets: the delay from a target's appearance to its
+/// first established track, and the share of an appearance that one track covers. An appearance is a target's
+/// time without a gap.
 class Appearances {
  public:
-  /// The target has been there for `age` [s] and has `track`, or none.
+  /// Once a report and target: the target has existed for `age` [s] and has `track`, or none.
   void observe(std::uint32_t target, double age, std::optional<std::uint32_t> track);
 
   /// The appearances of all targets that are not in `present` (ascending) are over.
@@ -21,9 +21,9 @@ class Appearances {
   void endAll() { endAllBut({}); }
 
   std::size_t count() const { return ended_ + now_.size(); }  ///< appearances during which there was a report
-  std::size_t neverConfirmed() const { return count() - delays_.size(); }  ///< without any believed track
+  std::size_t neverConfirmed() const { return count() - delays_.size(); }  ///< without any established track
 
-  /// From appearance to the first believed track [s], over those that came to one; NaN without any.
+  /// From appearance to the first established track [s], over those that came to one; NaN without any.
   double medianDelay() const;
   double worstDelay() const;
 

@@ -7,20 +7,20 @@
 
 namespace sightline::core {
 
-/// Whether one tracker stays with its targets: told at every report which track each target had, it counts
-/// what was covered, the breaks and the changes of identity. A target that leaves is forgotten.
+/// Whether one tracker stays with its targets: counts the covered observations, the breaks and the changes of
+/// identity. A target that leaves is forgotten.
 class Continuity {
  public:
-  /// What an observation was beside the one before.
+  /// How an observation differs from the one before.
   struct Change {
     bool lost = false;      ///< a break: the target had a track and goes on without
     bool switched = false;  ///< it came to a track of another id
   };
 
-  /// The target is there and has `track`, or none.
+  /// Once a report and target: the target exists and has `track`, or none.
   Change observe(std::uint32_t target, std::optional<std::uint32_t> track);
 
-  /// The target is not there.
+  /// The target does not exist now.
   void forget(std::uint32_t target) { targets_.erase(target); }
   void forgetAll() { targets_.clear(); }
 

@@ -8,7 +8,7 @@
 
 namespace sightline::core {
 
-/// What a tracker did with its sightings, and whether it expected them where they came.
+/// What a tracker decided about its sightings, and whether its innovations agree with their covariance.
 class InnovationStatistics {
  public:
   void add(const Association& association);
@@ -16,8 +16,8 @@ class InnovationStatistics {
   /// Sightings with this decision.
   std::uint64_t count(Decision decision) const { return counts_[static_cast<std::size_t>(decision)]; }
 
-  /// Mean squared innovation of the accepted sightings over S and over its two dimensions: 1 when the
-  /// tracker's S is honest (a gate of probability 0.99 takes 0.05 off). NaN without any.
+  /// Normalised innovation squared (NIS): mean over the accepted sightings, divided by the two dimensions. It
+  /// is 1 when the tracker's S is consistent; a gate of probability 0.99 lowers it by 0.05. NaN without any.
   double nis() const { return nis_.mean(); }
 
  private:

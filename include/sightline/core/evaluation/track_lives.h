@@ -8,15 +8,14 @@
 
 namespace sightline::core {
 
-/// What became of every believed track of one tracker: told at every report which target each track was on,
-/// it counts the tracks that were of no target, and how mixed the others are. A track's life is counted in
-/// reports. Keeps a few numbers of every track there was.
+/// Counts the false tracks of one tracker, and how many targets its tracks mix. The life of a track is
+/// counted in reports. Memory: a few numbers for every track.
 class TrackLives {
  public:
-  /// The track is in the report, on `target` or on none.
+  /// Once a report and established track: the track is on `target`, or on none.
   void observe(std::uint32_t track, std::optional<std::uint32_t> target);
 
-  /// From here on ids are those of other tracks: the tracker, or time, has begun anew.
+  /// From now on the ids mean other tracks: the tracker, or time, has started anew.
   void restart() { ++run_; }
 
   std::size_t tracks() const { return lives_.size(); }

@@ -6,12 +6,12 @@
 #include <map>
 #include <optional>
 
-#include "sightline/core/evaluation/scores.h"
+#include "sightline/core/evaluation/track_report.h"
 
 namespace sightline::core {
 
-/// What a tracker's reports say of themselves, without any truth: how many believed tracks there were, how
-/// long they lived, and when there was none.
+/// Statistics of a tracker's reports without a truth: the number and the lengths of its established tracks,
+/// and the breaks without any.
 class TrackSpans {
  public:
   /// Reports further apart than `pause` [s] mean that the sensors were silent, which breaks nothing.
@@ -21,7 +21,8 @@ class TrackSpans {
   void add(const TrackReport& report);
 
   std::size_t tracks() const { return spans_.size(); }
-  double medianLength() const;   ///< from a track's first belief to its last [s]; NaN without tracks
+  double medianLength()
+      const;  ///< from a track's first report as established to its last [s]; NaN without tracks
   double longestLength() const;  ///< [s]; NaN without tracks
   double coverage()
       const;  ///< share of the time of the reports, less the pauses, with a track; NaN without time

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -24,6 +26,14 @@ struct TruthDirection {
   Eigen::Vector2d angles = Eigen::Vector2d::Zero();
 };
 
+/// A target at the instant that is scored.
+struct TrueTarget {
+  std::uint32_t id = 0;
+  AngularState state;                                    ///< the truth, tracking frame, covariance zero
+  bool is_scored = true;                                 ///< false: its errors do not count yet
+  double age = std::numeric_limits<double>::infinity();  ///< how long it has been there without a gap [s]
+};
+
 /// Motion at `time` between two samples, by the cubic that has their positions and their rates (Hermite) in
 /// the chart of the direction between them, so that the wrap and the zenith are ordinary places. nullopt when
 /// `time` is not within [before.time, after.time] or the two times are equal.
@@ -43,16 +53,16 @@ class TruthPath {
     double age = 0.0;    ///< how long the target has been there without a gap [s]
   };
 
-  /// Between samples more than `largest_gap` apart the target is not there.
+  /// Between samples more than `largest_gap` apart the target does not exist.
   explicit TruthPath(Duration largest_gap) : largest_gap_(largest_gap) {}
 
-  /// Takes a sample; one that is late goes to its place, one of a time already known replaces it.
+  /// Adds a sample. A late one is put in its place, one of a known time replaces the sample of that time.
   void add(const TruthSample& sample);
 
-  /// Forgets what is not needed for times from `time` on.
+  /// Removes what is not needed for times from `time` on.
   void forgetBefore(Time time);
 
-  /// The target at `time`; nullopt when it is not there, or not known yet.
+  /// The target at `time`; nullopt when it does not exist then, or is not known yet.
   std::optional<Point> at(Time time) const;
 
   bool empty() const { return samples_.empty(); }

@@ -31,7 +31,7 @@ struct SpotDetectorParams {
   int max_size = 12;            ///< larger things (width or height at half contrast) are no spots [px], >= 1
   int max_spots = 100;          ///< of a frame, >= 1: the strongest
   int memory = 100;             ///< of the temporal background [frames], >= 2
-  int warm_up = 10;             ///< frames before the temporal background is believed, in [1, memory]
+  int warm_up = 10;             ///< frames before the temporal background is used, in [1, memory]
   double centroid_floor = 0.1;  ///< sigma of the centroid that no noise explains: shape, pixels [px], >= 0
 };
 
@@ -45,7 +45,8 @@ struct Spot {
 };
 
 /// Finds small targets frame by frame: background removal, a threshold that follows the local noise (constant
-/// false alarm rate), centre to a fraction of a pixel with its covariance.
+/// false alarm rate, Finn and Johnson 1968), (S-89); centre to a fraction of a pixel (windowed centroid,
+/// Bertin and Arnouts 1996) with its covariance (Huber 1967), (S-90).
 class SpotDetector {
  public:
   explicit SpotDetector(const SpotDetectorParams& params) : params_(params) {}
@@ -54,7 +55,7 @@ class SpotDetector {
   /// the last one starts anew. No allocation once the size is known, but for the list of spots.
   const std::vector<Spot>& detect(const GreyImage& image);
 
-  /// Whether the background is known: before, nothing is found and nothing is said about targets.
+  /// Whether the background is known; before, no spots are found.
   bool isReady() const;
 
  private:
@@ -91,7 +92,7 @@ class SpotDetector {
 
   SpotDetectorParams params_;
   int width_ = 0, height_ = 0;
-  int frames_ = 0;                // that the background has learnt from
+  int frames_ = 0;                // from which the background was learned
   const float* image_ = nullptr;  // during `detect`
   std::vector<float> smoothed_;
   std::vector<float> contrast_, rough_,

@@ -23,20 +23,21 @@ struct ClockOffset {
   double sigma = 0.0;   ///< its standard error [s]
 };
 
-/// What the innovations of one sensor say of its clock. Where a target moves with rate r, a stamp that is too
-/// early by dt makes the innovation r dt. Recursive weighted least squares over all its tracks for dt and, so
-/// that a misalignment is not taken for it, a constant offset of each angle: only targets that change their
-/// rates tell the two apart. Plain state.
+/// Estimates the offset of one sensor's clock from its innovations, (S-55). Where a target moves with rate r,
+/// a stamp that is too early by dt makes the innovation r dt. Recursive weighted least squares over all its
+/// tracks for dt and, so that a misalignment is not taken for it, a constant offset of each angle: only
+/// targets that change their rates tell the two apart. Errors in variables as in Fuller 1987. Plain state.
 class ClockWatch {
  public:
   explicit ClockWatch(const ClockOffsetParams& params, Time since) : memory_(params.memory), last_(since) {}
 
   /// Takes an innovation `nu` [rad] of a sighting with covariance R [rad^2] against the motion expected at
-  /// its stamp; times do not go back. A target whose rates are not known to be other than zero tells nothing.
+  /// its stamp; times do not go back. A target whose rates are not
+  /// significantly different from zero says nothing of dt.
   void take(Time time, const Eigen::Vector2d& nu, const Eigen::Matrix2d& R, const AngularState& expected);
 
-  /// The offset against the tracks, which the sensor itself has pulled along: only differences between
-  /// sensors mean something. nullopt while it is not determined.
+  /// The offset against the tracks, to which the sensor itself contributes: only differences between sensors
+  /// are meaningful. nullopt while it is not determined.
   std::optional<ClockOffset> against() const;
 
  private:
@@ -56,7 +57,7 @@ struct ClockFinding {
 };
 
 /// Which clocks are off, given each sensor's offset against the common tracks (nullopt where it is not
-/// known): the most significant first, each against the mean of those not found wrong.
+/// known): the most significant first, each against the mean of those not found wrong. (S-56)
 std::vector<ClockFinding> wrongClocks(const std::vector<std::optional<ClockOffset>>& against,
                                       const ClockOffsetParams& params);
 

@@ -10,11 +10,11 @@
 
 namespace sightline::core {
 
-/// What is told of the sensors where their scans do not say it.
+/// What is configured for the sensors whose scans do not state it.
 struct DetectionParams {
-  double probability = 0.0;       ///< P_D of a target in view, in [0, 1]; 0 = learnt, sensor by sensor
-  double clutter_density = -1.0;  ///< false sightings [1/sr a scan], >= 0; negative = learnt
-  double memory = 300.0;          ///< scans over which is learnt, >= 10
+  double probability = 0.0;       ///< P_D of a target in view, in [0, 1]; 0 = learned, sensor by sensor
+  double clutter_density = -1.0;  ///< false sightings [1/sr a scan], >= 0; negative = learned
+  double memory = 300.0;          ///< scans over which is learned, >= 10
   double births = 0.1;            ///< new targets expected in the view of a sensor [1/s], > 0
   double first_targets = 1.0;     ///< expected there when it looks for the first time, > 0
 };
@@ -22,7 +22,7 @@ struct DetectionParams {
 /// What is known of one sensor.
 struct CalibratedDetection {
   std::string sensor;
-  double seen = 0.0, looked = 0.0;  ///< scans of settled targets in which they were seen, of how many
+  double seen = 0.0, looked = 0.0;  ///< scans of mature targets in which they were seen, of how many
   double clutter = 0.0;             ///< sightings that are no track's [1], fading as ...
   double scans = 0.0;               ///< ... the scans [1]
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< sum of those sightings' directions [1]
@@ -31,9 +31,9 @@ struct CalibratedDetection {
   double undiscovered = 0.0;  ///< targets in view that are in no track yet, expected before the last scan
 };
 
-/// How likely each sensor sees a target, and how many false sightings it gives in which solid angle, learnt
-/// from the scans themselves: what the log-likelihood ratios of association and existence need, and few
-/// sensors state. Plain state, copied with the tracker's.
+/// The detection probability of each sensor and its false sightings in which solid angle, (S-46) to (S-48),
+/// learned from the scans themselves: the log-likelihood ratios of association and existence need them, and
+/// few sensors state them. Plain state, copied with the tracker's.
 ///
 /// The solid angle is the field of view, where that is known; else what the false sightings are scattered
 /// over, as if evenly over a rectangle.
@@ -43,10 +43,10 @@ class DetectionCalibration {
   explicit DetectionCalibration(const DetectionParams& params);
 
   /// P_D of a target that the scan's sensor can see, in [0.05, 0.99]: by the scan, the parameter, or what has
-  /// been learnt; the last at most 0.9, because misses come in runs more often than chance alone has it.
+  /// been learned; the last at most 0.9, because misses come in runs more often than chance alone has it.
   double probability(const Scan& scan) const;
 
-  /// Density of false sightings [1/sr], > 0: by the scan, the parameter, or what has been learnt.
+  /// Density of false sightings [1/sr], > 0: by the scan, the parameter, or what has been learned.
   double clutterDensity(const Scan& scan) const;
 
   /// False sightings expected in the whole of the scan, > 0.
@@ -60,7 +60,7 @@ class DetectionCalibration {
   /// New targets expected in `duration` [s] in a solid angle of 1 sr of the scan's view.
   double birthDensity(const Scan& scan, double duration) const;
 
-  /// Takes a scan in order of time. `looked`, `seen`: settled targets in view, and how many of them were
+  /// Takes a scan in order of time. `looked`, `seen`: mature targets in view, and how many of them were
   /// seen; `falseness`: of each sighting, the probability that it is of no target, in [0, 1].
   void take(const Scan& scan, int looked, int seen, const std::vector<double>& falseness);
 

@@ -7,7 +7,7 @@
 
 namespace sightline::core {
 
-/// How the sensors' own noise is told apart in one tracker.
+/// How the noise of each sensor is learned in one tracker.
 struct NoiseCalibrationParams {
   bool enabled = true;
   double trust = 30.0;      ///< sightings that a sensor's stated covariance counts for at first, > 0
@@ -23,10 +23,10 @@ struct CalibratedSensor {
   double sightings = 0.0;  ///< on which that rests
 };
 
-/// One noise scale for each sensor, learnt slowly from the innovations of all settled tracks. Estimators
-/// learn the scale of a track's sightings quickly and for all its sensors together; what they find passes
-/// over into the sensors' scales, so that sensors get their right weight against each other, and a new track
-/// starts with what others have learnt. Plain state, copied with the tracker's.
+/// One noise scale for each sensor, learned slowly from the innovations of all mature tracks (S-45).
+/// Estimators learn the scale of a track's sightings quickly and for all its sensors together; what they find
+/// passes over into the sensors' scales, so that sensors get their right weight against each other, and a new
+/// track starts with what others have learned. Plain state, copied with the tracker's.
 class NoiseCalibration {
  public:
   /// Throws std::invalid_argument for parameters out of range.
@@ -35,7 +35,7 @@ class NoiseCalibration {
   /// Factor on the sensor's stated variances.
   double scale(const std::string& sensor) const;
 
-  /// A sighting has come to a settled track. `innovation_squared` of both coordinates and the variance
+  /// A mature track was updated with a sighting. `innovation_squared` of both coordinates and the variance
   /// `expected` of each [rad^2]; `track_scale`: the noise scale that the track has found beyond the sensor's.
   void take(const std::string& sensor, const Eigen::Vector2d& innovation_squared,
             const Eigen::Vector2d& expected, const Eigen::Vector2d& track_scale);

@@ -11,8 +11,9 @@
 
 namespace sightline::core {
 
-/// How much the sightings of one target scatter, against what their covariances say, without any model of
-/// its motion: the third divided difference of four sightings that follow each other,
+/// How much the sightings of one target scatter, against their stated covariances, without any model of its
+/// motion (S-57): the third divided difference of four consecutive sightings (von Neumann, Kent, Bellinson,
+/// Hart 1941),
 ///
 ///   e = sum_i c_i z_i,  c_i = 1 / prod_{j != i} (t_i - t_j),  of covariance sum_i c_i^2 R_i,
 ///
@@ -38,8 +39,8 @@ class Scatter {
   /// near the zenith, or not after the last one, breaks the chain.
   void add(Chain& chain, Time time, const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance);
 
-  /// Sigma of the scatter over the stated one, from the median of e^T cov(e)^-1 e, which stray sightings do
-  /// not move. None while there are fewer than 20 samples.
+  /// Sigma of the scatter over the stated one, from the median of e^T cov(e)^-1 e, which outliers do not
+  /// move. None while there are fewer than 20 samples.
   std::optional<double> ratio() const;
 
   std::size_t samples() const { return distances_.size(); }

@@ -23,15 +23,16 @@ struct SensorUse {
   bool isAsStated() const { return !is_excluded && noise_scale == 1.0; }
 };
 
-/// How an alarm is read.
+/// How an alarm is interpreted.
 enum class HealthForm {
-  specified,  ///< section 5.1: by the sum that gave it
-  refined     ///< noise or bias by the likelihood of what came since the change, and its size from that alone
+  specified,  ///< noise or bias by the sum that gave the alarm
+  refined  ///< noise or bias by the likelihood (S-52) of what came since the change; its size from that alone
 };
 
-/// Change detection on the innovations of one sensor (section 5.1). Numbers without unit are log likelihood
-/// ratios, or factors on the stated variance; a sigma is that of the innovation. Section 5.1 has thresholds
-/// of 12, at which healthy sensors of 33 Hz gave 0.7 false alarms an hour; 14 costs 20 ms of the delay.
+/// Change detection on the innovations of one sensor: CUSUM tests (Page 1954), (S-49) to (S-53). Numbers
+/// without unit are log likelihood ratios, or factors on the stated variance; a sigma is that of the
+/// innovation. At thresholds of 12 healthy sensors of 33 Hz gave 0.7 false alarms an hour; 14 adds 20 ms to
+/// the delay.
 struct SensorHealthParams {
   HealthForm form = HealthForm::refined;
   double noise_threshold = 14.0;    ///< evidence at which the noise counts as grown, > 0
@@ -56,7 +57,7 @@ struct Innovation {
   PerChannel nu;         ///< sighting - prediction [rad]
   PerChannel predicted;  ///< variance of the prediction, P [rad^2], >= 0
   PerChannel stated;     ///< variance that the sensor states, R [rad^2], > 0
-  /// Mean innovation of the other sensors that see the track, lately [rad]: what the track itself is off by,
+  /// Mean innovation of the other sensors that see the track, lately [rad]: the error of the track itself,
   /// where it does not follow the target. Empty = not known.
   PerChannel shared = PerChannel();
 };
@@ -64,7 +65,7 @@ struct Innovation {
 /// A change of a sensor's verdict.
 struct HealthChange {
   Time time{};                                     ///< when it was noticed
-  Time began{};                                    ///< of the first sighting that spoke for it
+  Time began{};                                    ///< of the first sighting that indicated it
   SensorVerdict verdict = SensorVerdict::healthy;  ///< from now on; healthy = it has recovered
   double scale = 1.0;                              ///< of the variance
   PerChannel bias;                                 ///< mean innovation [sigma]
@@ -73,8 +74,8 @@ struct HealthChange {
 /// The watch over one sensor. Plain state: copies are independent, equal input gives equal bits.
 class SensorHealth {
  public:
-  /// A sum of evidence that starts anew whenever it falls to zero, and what has come since there was more
-  /// than a little of it.
+  /// A cumulated sum (Page 1954) that starts anew whenever it falls to zero, and the innovations since it was
+  /// more than a little.
   struct CumulatedSum {
     double value = 0.0;
     Time began{};  ///< of the present excursion: its first sighting
@@ -94,16 +95,16 @@ class SensorHealth {
   /// together as one for the sizes.
   void take(Time time, const Innovation& innovation);
 
-  /// Says when what was taken up to `time` changes the verdict.
+  /// The change of the verdict by what was taken up to `time`; none when the verdict stays.
   std::optional<HealthChange> judge(Time time);
 
   /// Both.
   std::optional<HealthChange> add(Time time, const Innovation& innovation);
 
-  /// Starts anew, as one of whom nothing is known.
+  /// Starts anew, as for a sensor of which nothing is known.
   void forget(Time time);
 
-  /// Takes the present verdict back: there is nothing any more to hold it against.
+  /// Withdraws the present verdict: no other sensor is left to compare with.
   HealthChange release(Time time);
 
   SensorVerdict verdict() const { return verdict_; }
@@ -129,7 +130,7 @@ class SensorHealth {
   void average(Time time, const PerChannel& u, double ratio);
   const CumulatedSum& largestBiasSum() const;
   std::optional<HealthChange> alarm(Time time);
-  std::optional<HealthChange> secondThought(Time time);
+  std::optional<HealthChange> reconsider(Time time);
   bool hasRecovered(Time time) const;
   HealthChange change(Time time, Time began, SensorVerdict verdict);
 

@@ -15,9 +15,10 @@ struct Glimpse {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
 };
 
-/// How far what one sensor sees is from what others see at about the same time (within 0.15 s): the distance
-/// [rad] that as many of its glimpses have from another's as half of its scans are, so that many false ones
-/// in each do not matter. None where fewer than 10 can be compared. Both lists in order of time.
+/// How far the sightings of one sensor are from those of the others at about the same time (within 0.15 s)
+/// [rad], (S-58): the k-th smallest distance to the nearest of the others', k = half the number of its scans,
+/// so that many false sightings in each scan do not matter. nullopt where fewer than 10 can be compared. Both
+/// lists are in order of time.
 std::optional<double> separation(const std::vector<Glimpse>& mine, const std::vector<Glimpse>& others);
 
 }  // namespace sightline::core

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/sphere.h"
 #include "sightline/core/simulation/route.h"
 
@@ -49,11 +49,11 @@ struct Weave {
   std::vector<AccelerationPiece> elevation;
 };
 
-/// The weave of the benchmark, estimators.md 7.1, with `scale` rad for its unit. It covers 10 units: a scale
+/// The weave of the estimators' benchmark, with `scale` rad for its unit. It covers 10 units: a scale
 /// above 0.1 leads over the poles.
 Weave benchmarkWeave(double scale = 0.1);
 
-/// White-noise acceleration: a path of integrated Brownian motion, drawn once for ever by its seed. The path
+/// White-noise acceleration (S-87): a path of integrated Brownian motion, drawn once by its seed. The path
 /// is exact on a grid of 2^-10 s and cubic (its conditional mean) between.
 struct WhiteAcceleration {
   std::uint64_t seed = 0;
@@ -82,9 +82,9 @@ AngularMotion motionAt(const AngularRoute& route, double time);
 AngularState onSphere(const AngularMotion& motion);
 
 /// What is wrong with a motion's parameters; nullopt when nothing is.
-std::optional<std::string> faultOf(const Sinusoid& sinusoid);
-std::optional<std::string> faultOf(const AngularLine& line);
-std::optional<std::string> faultOf(const Weave& weave);
-std::optional<std::string> faultOf(const WhiteAcceleration& path);
+std::optional<Refusal> refusalOf(const Sinusoid& sinusoid);
+std::optional<Refusal> refusalOf(const AngularLine& line);
+std::optional<Refusal> refusalOf(const Weave& weave);
+std::optional<Refusal> refusalOf(const WhiteAcceleration& path);
 
 }  // namespace sightline::core

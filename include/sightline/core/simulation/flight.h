@@ -1,11 +1,11 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/simulation/route.h"
 
 /// Motions given in metres, in `world` (x east, y north, z up): seen from the platform with parallax. Time
@@ -64,8 +64,8 @@ SpatialMotion motionAt(const Boost& boost, double time);
 SpatialMotion motionAt(const SpatialRoute& route, double time);
 
 /// What is wrong with a motion's parameters; nullopt when nothing is.
-std::optional<std::string> faultOf(const StraightFlight& flight);
-std::optional<std::string> faultOf(const ZenithPass& pass);
-std::optional<std::string> faultOf(const Boost& boost);
+std::optional<Refusal> refusalOf(const StraightFlight& flight);
+std::optional<Refusal> refusalOf(const ZenithPass& pass);
+std::optional<Refusal> refusalOf(const Boost& boost);
 
 }  // namespace sightline::core

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <variant>
 
 #include <Eigen/Core>
+
+#include "sightline/core/model/refusal.h"
 
 /// How the sensors' platform moves. `world`: x east, y north, z up [m]. `platform`: x forward, y left, z up.
 namespace sightline::core {
@@ -52,6 +53,6 @@ struct PlatformState {
 PlatformState platformAt(const PlatformMotion& motion, double time);
 
 /// What is wrong with a motion's parameters; nullopt when nothing is.
-std::optional<std::string> faultOf(const PlatformMotion& motion);
+std::optional<Refusal> refusalOf(const PlatformMotion& motion);
 
 }  // namespace sightline::core

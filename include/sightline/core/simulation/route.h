@@ -1,10 +1,11 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "sightline/core/model/refusal.h"
 
 namespace sightline::core {
 
@@ -38,11 +39,11 @@ Passage<N> passageAt(const Route<N>& route, double time);
 
 /// What is wrong with a route; nullopt when nothing is.
 template <int N>
-std::optional<std::string> faultOf(const Route<N>& route);
+std::optional<Refusal> refusalOf(const Route<N>& route);
 
 extern template Passage<2> passageAt(const Route<2>&, double);
 extern template Passage<3> passageAt(const Route<3>&, double);
-extern template std::optional<std::string> faultOf(const Route<2>&);
-extern template std::optional<std::string> faultOf(const Route<3>&);
+extern template std::optional<Refusal> refusalOf(const Route<2>&);
+extern template std::optional<Refusal> refusalOf(const Route<3>&);
 
 }  // namespace sightline::core

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/simulation/simulated_sensor.h"
 #include "sightline/core/simulation/trajectory.h"
 
@@ -41,7 +41,8 @@ std::optional<Eigen::Vector3d> directionFromSensor(const SimulatedSensor& sensor
                                                    const PlatformState& platform, const Target& target,
                                                    double time);
 
-/// The first thing that is wrong with a scenario, naming where; nullopt when nothing is.
-std::optional<std::string> faultOf(const Scenario& scenario);
+/// The first thing that is wrong with a scenario; its kind names the part ("target 1", "sensor left").
+/// nullopt when nothing is.
+std::optional<Refusal> refusalOf(const Scenario& scenario);
 
 }  // namespace sightline::core

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/simulation/random_stream.h"
 
@@ -12,7 +12,7 @@ namespace sightline::core {
 /// When a sensor looks.
 struct SightingTiming {
   enum class Kind {
-    random,  ///< the paper's sequence, estimators.md (S-1)
+    random,  ///< the paper's sequence (S-1)
     fixed    ///< at a constant rate
   };
   Kind kind = Kind::random;
@@ -46,6 +46,6 @@ class SightingSequence {
 };
 
 /// What is wrong with a timing; nullopt when nothing is.
-std::optional<std::string> faultOf(const SightingTiming& timing);
+std::optional<Refusal> refusalOf(const SightingTiming& timing);
 
 }  // namespace sightline::core

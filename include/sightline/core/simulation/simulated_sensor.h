@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "sightline/core/model/field_of_view.h"
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/simulation/platform_motion.h"
 #include "sightline/core/simulation/sighting_sequence.h"
 
@@ -21,10 +22,11 @@ struct Interval {
   bool holds(double time) const { return from <= time && time < to; }
 };
 
-/// What is wrong with an interval, beginning with what it is ("an outage"); nullopt when nothing is.
-std::optional<std::string> faultOf(const Interval& interval, const char* kind);
+/// What is wrong with an interval; the detail begins with `what` it is ("an outage"). nullopt when nothing
+/// is.
+std::optional<Refusal> refusalOf(const Interval& interval, const char* what);
 
-/// A time in which a sensor is worse than it says.
+/// A time in which a sensor is worse than it states.
 struct Degradation {
   Interval interval;
   double sigma_scale = 1.0;        ///< true sigma over stated sigma, >= 0 [1]
@@ -71,10 +73,10 @@ bool inView(const SimulatedSensor& sensor, const Eigen::Vector3d& direction_sens
 /// Solid angle of the field of view [sr].
 double solidAngle(const SimulatedSensor& sensor);
 
-/// Stated standard deviations at (azimuth, elevation) [rad] in the sensor's frame.
+/// Stated standard deviations at (azimuth, elevation) [rad] in the sensor's frame, (S-84).
 Eigen::Vector2d statedSigma(const SimulatedSensor& sensor, const Eigen::Vector2d& angles_sensor);
 
 /// What is wrong with a sensor's parameters; nullopt when nothing is.
-std::optional<std::string> faultOf(const SimulatedSensor& sensor);
+std::optional<Refusal> refusalOf(const SimulatedSensor& sensor);
 
 }  // namespace sightline::core

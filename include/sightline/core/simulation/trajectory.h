@@ -1,9 +1,9 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <variant>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/simulation/angular_trajectory.h"
 #include "sightline/core/simulation/flight.h"
 #include "sightline/core/simulation/platform_motion.h"
@@ -26,6 +26,6 @@ std::optional<Eigen::Vector3d> directionSeenFrom(const Eigen::Vector3d& point, c
                                                  double time);
 
 /// What is wrong with a trajectory's parameters; nullopt when nothing is.
-std::optional<std::string> faultOf(const Trajectory& trajectory);
+std::optional<Refusal> refusalOf(const Trajectory& trajectory);
 
 }  // namespace sightline::core

@@ -4,7 +4,8 @@
 
 namespace sightline::core {
 
-/// Integrals of exp(i w u) for u from 0 to t, per t and per t^2, as functions of x = w t; smooth at x = 0.
+/// (S-86): integrals of exp(i w u) for u from 0 to t, per t and per t^2, as functions of x = w t; smooth at
+/// x = 0.
 /// An acceleration a exp(i (phase + w t)) gives the velocity a t exp(i phase) once(x) and the position
 /// a t^2 exp(i phase) twice(x).
 struct TurningIntegrals {

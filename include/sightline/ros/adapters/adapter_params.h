@@ -33,7 +33,7 @@ struct FieldMap {
   std::string header;  ///< path of the message's std_msgs/Header; empty = it has none
 };
 
-/// What a topic of a driver says, and as which sensor's sightings it goes on.
+/// How a topic of a driver is read, and as which sensor's sightings it is published.
 struct AdapterTopic {
   enum class Kind {
     direction,  ///< Vector3Stamped
@@ -57,7 +57,7 @@ struct AdapterTopic {
   bool stamp_on_arrival = false;  ///< instead of the message's stamp
   double stamp_offset = 0.0;      ///< added to the stamp [s]
 
-  /// Standard deviations where the message's covariance says nothing: as arcs along azimuth and elevation
+  /// Standard deviations where the message's covariance cannot be used: as arcs along azimuth and elevation
   /// [rad], or of pixel coordinates [px].
   std::optional<Eigen::Vector2d> sigma, sigma_px;
 

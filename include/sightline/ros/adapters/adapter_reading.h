@@ -12,15 +12,15 @@
 #include <sightline/SightingArray.h>
 #include <std_msgs/Header.h>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/sighting.h"
 #include "sightline/ros/adapters/adapter_params.h"
 #include "sightline/ros/adapters/pixel_rays.h"
-#include "sightline/ros/diagnosis/refusals.h"
 
 namespace sightline_ros {
 
-/// What a driver's message says, before its stamp and frame are settled. Sightings are added one by one; what
-/// cannot be used becomes a refusal that names the thing, the value and the remedy.
+/// The sightings of a driver's message, before its stamp and frame are checked. Sightings are added one by
+/// one; what cannot be used becomes a refusal that names the thing, the value and the remedy.
 class Reading {
  public:
   static constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
@@ -44,20 +44,20 @@ class Reading {
   void addPixel(const Eigen::Vector2d& pixel, const std::optional<Eigen::Matrix2d>& covariance,
                 const PixelRays* rays, double snr = kNotKnown);
 
-  /// Something that the message offered and that cannot be used.
-  void refuse(const std::string& reason, const std::string& detail);
+  /// Something in the message that cannot be used.
+  void refuse(const std::string& kind, const std::string& detail);
 
   std::size_t offered() const { return sightings.size() + refusals.size(); }  ///< usable or not
 
   std_msgs::Header header;
   std::vector<sightline::core::Sighting> sightings;  ///< in the frame of `header`
-  std::vector<Refusal> refusals;
-  std::size_t unknown_covariances = 0;  ///< in whose place the configured sigma was taken
-  std::string first_unknown;            ///< the first of those, in words
+  std::vector<sightline::core::Refusal> refusals;
+  std::size_t unknown_covariances = 0;  ///< in whose place the configured sigma was used
+  std::string first_unknown;            ///< the first of those, as text
 
  private:
   void add(std::optional<sightline::core::Sighting> sighting, double snr);
-  bool mayUseSigma(const std::optional<Eigen::Vector2d>& sigma, const std::string& covariance_in_words);
+  bool mayUseSigma(const std::optional<Eigen::Vector2d>& sigma, const std::string& covariance_text);
 
   const AdapterTopic& topic_;
 };
@@ -65,13 +65,13 @@ class Reading {
 /// What goes out for a message.
 struct AdaptedScan {
   sightline::SightingArray::Ptr scan;  ///< null: the message was refused, or every sighting in it
-  std::vector<Refusal> refusals;
+  std::vector<sightline::core::Refusal> refusals;
   std::string optical_frame;  ///< of which the scan's frame is the boresight frame; empty = it is none
 };
 
-/// Settles stamp and frame, and leaves out what the trackers would reject. A message that offers nothing
+/// Checks stamp and frame, and leaves out what the trackers would reject. A message that offers nothing
 /// becomes an empty scan (it looked, and saw nothing); one of whose sightings none can be used becomes none.
-AdaptedScan settled(const Reading& reading, const AdapterTopic& topic, const ros::Time& arrival);
+AdaptedScan adapt(const Reading& reading, const AdapterTopic& topic, const ros::Time& arrival);
 
 /// The name of the frame that looks along x where the optical frame looks along z.
 std::string boresightFrameOf(const std::string& optical_frame);

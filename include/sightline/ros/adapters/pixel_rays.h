@@ -8,6 +8,7 @@
 
 #include <sensor_msgs/CameraInfo.h>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/sighting.h"
 
 namespace image_geometry {
@@ -19,7 +20,7 @@ namespace sightline_ros {
 /// What is wrong with a camera's calibration for turning pixels into directions, with the remedy; nullopt
 /// when nothing is. Refused: K = 0 (not calibrated), a focal length or an image size that makes no sense, a
 /// distortion model that image_geometry does not know.
-std::optional<std::string> faultOf(const sensor_msgs::CameraInfo& camera);
+std::optional<sightline::core::Refusal> refusalOf(const sensor_msgs::CameraInfo& camera);
 
 /// Whether two CameraInfos say the same but for their stamps.
 bool isSameCalibration(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b);
@@ -31,7 +32,7 @@ sensor_msgs::CameraInfo pinholeCamera(unsigned width, unsigned height, const Eig
 class PixelRays {
  public:
   /// `rectified`: pixels are of the rectified image (image_rect), not of the raw one. Throws
-  /// std::invalid_argument with what `faultOf` says.
+  /// std::invalid_argument with the detail of `refusalOf`.
   PixelRays(const sensor_msgs::CameraInfo& camera, bool rectified);
 
   /// Sighting in the optical frame (x right, y down, z forward; as everywhere in ROS it is taken for that of

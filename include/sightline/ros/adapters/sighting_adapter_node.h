@@ -8,17 +8,16 @@
 #include <topic_tools/shape_shifter.h>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <ros/subscriber.h>
-#include <ros/wall_timer.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "sightline/ros/adapters/adapter_messages.h"
 #include "sightline/ros/adapters/adapter_params.h"
 #include "sightline/ros/adapters/boresight_broadcaster.h"
+#include "sightline/ros/diagnosis/periodic_diagnostics.h"
 #include "sightline/ros/diagnosis/refusals.h"
 
 namespace sightline_ros {
@@ -52,16 +51,14 @@ class SightingAdapterNode {
   void onAnyMessage(Source& source, const topic_tools::ShapeShifter& message);
   Reading readAny(Source& source, const topic_tools::ShapeShifter& message);
   void publish(Source& source, const Reading& reading);
-  void note(const Refusal& refusal);
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void note(const sightline::core::Refusal& refusal);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status, double elapsed);
 
   ros::NodeHandle nh_;
   std::vector<std::unique_ptr<Source>> sources_;
   Refusals refusals_;
   BoresightBroadcaster boresights_;
-  diagnostic_updater::Updater diagnostics_;
-  ros::WallTimer diagnostics_timer_;
-  std::optional<ros::WallTime> last_diagnosis_;
+  std::optional<PeriodicDiagnostics> diagnostics_;
 };
 
 }  // namespace sightline_ros

@@ -6,11 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <ros/subscriber.h>
-#include <ros/wall_timer.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
@@ -18,6 +16,7 @@
 #include "sightline/ros/adapters/boresight_broadcaster.h"
 #include "sightline/ros/adapters/pixel_rays.h"
 #include "sightline/ros/adapters/spot_detector_params.h"
+#include "sightline/ros/diagnosis/periodic_diagnostics.h"
 #include "sightline/ros/diagnosis/refusals.h"
 
 namespace sightline_ros {
@@ -38,8 +37,8 @@ class SpotDetectorNode {
   bool toGrey(const sensor_msgs::Image::ConstPtr& image);
   void publish(const std::vector<sightline::core::Spot>& spots, const sensor_msgs::Image& image,
                const std::string& frame);
-  void refuse(const std::string& reason, const std::string& detail);
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void refuse(const std::string& kind, const std::string& detail);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status, double elapsed);
 
   ros::NodeHandle nh_;
   SpotDetectorNodeParams params_;
@@ -55,9 +54,7 @@ class SpotDetectorNode {
   ros::Publisher sightings_;
   std::uint64_t image_count_ = 0, image_count_before_ = 0, sighting_count_ = 0;
   double busy_ = 0.0;  // on images, since the last diagnosis [s of the wall's clock]
-  diagnostic_updater::Updater diagnostics_;
-  ros::WallTimer diagnostics_timer_;
-  std::optional<ros::WallTime> last_diagnosis_;
+  std::optional<PeriodicDiagnostics> diagnostics_;
 };
 
 }  // namespace sightline_ros

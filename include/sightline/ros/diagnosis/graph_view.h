@@ -8,7 +8,7 @@
 
 namespace sightline_ros {
 
-/// Who publishes and who listens, as the master has it.
+/// Who publishes and who subscribes, according to the master.
 struct GraphView {
   struct Topic {
     std::string name;
@@ -32,11 +32,11 @@ std::set<std::string> trackersOf(const GraphView& graph);
 /// Nodes that fuse tracks: they publish fusion reports.
 std::set<std::string> fusionsOf(const GraphView& graph);
 
-/// Whether the topic is published, and its publisher's scans can be expected.
+/// Whether somebody publishes the topic.
 bool isPublished(const GraphView& graph, const std::string& topic);
 
-/// What is wrong with who listens to whom, in plain words: trackers and fusions that listen to topics that
-/// nobody publishes, sensors that no tracker listens to, trackers whose sensors are in no fusion.
+/// What is wrong with the subscriptions: trackers and fusions that subscribe to topics that nobody publishes,
+/// sensors to which no tracker subscribes, trackers whose sensors are in no fusion.
 std::vector<Finding> findingsOf(const GraphView& graph);
 
 }  // namespace sightline_ros

@@ -25,7 +25,7 @@ struct DoctorParams {
   InputLimits limits;
 };
 
-/// Listens to everything that has to do with sightings for some time, and says what is wrong.
+/// Subscribes to everything that has to do with sightings for some time, and reports what is wrong.
 class InputDoctor {
  public:
   InputDoctor(const ros::NodeHandle& nh, const DoctorParams& params);

@@ -81,8 +81,8 @@ class InputExamination {
   void findSharedNames(std::vector<Finding>& found) const;
   void findTransforms(const tf2::BufferCore& transforms, const std::string& tracking_frame,
                       std::vector<Finding>& found) const;
-  void findStrangers(const tf2::BufferCore& transforms, const std::string& tracking_frame,
-                     std::vector<Finding>& found) const;
+  void findSeparateViews(const tf2::BufferCore& transforms, const std::string& tracking_frame,
+                         std::vector<Finding>& found) const;
   void findScatter(const tf2::BufferCore& transforms, const std::string& tracking_frame,
                    std::vector<Finding>& found) const;
   static std::optional<double> scatterOf(const Source& source, const tf2::BufferCore& transforms,

@@ -9,24 +9,19 @@
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 
 namespace sightline_ros {
 
-/// Something that came in and is not used.
-struct Refusal {
-  std::string reason;  ///< short and of few kinds, for counting
-  std::string detail;  ///< the whole story: the thing, the value, the remedy
-};
-
-/// Counts refusals by reason; says each reason aloud at most once in five seconds.
+/// Counts refusals by kind; gives a warning of each kind at most once in five seconds.
 class Refusals {
  public:
-  /// Counts, and returns a line to warn with when this reason was not complained of lately. `now` is the
-  /// clock.
-  std::optional<std::string> note(const Refusal& refusal, sightline::core::Time now);
+  /// Counts, and returns a line to warn with when there was no warning of this kind in the last five seconds.
+  /// `now` is the clock.
+  std::optional<std::string> note(const sightline::core::Refusal& refusal, sightline::core::Time now);
 
-  /// Adds a value for each reason, and a warning when there were new ones since the last call.
+  /// Adds a value for each kind, and a warning when there were new ones since the last call.
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
  private:
@@ -37,7 +32,7 @@ class Refusals {
     std::optional<sightline::core::Time> last_warning;
   };
 
-  std::map<std::string, Counted> counts_;
+  std::map<std::string, Counted> counts_;  // by kind
 };
 
 }  // namespace sightline_ros

@@ -14,20 +14,20 @@
 
 namespace sightline_ros {
 
-/// Something that is wrong with what comes in, or worth knowing.
+/// Something that is wrong with the inputs, or worth knowing.
 struct Finding {
   std::string subject;   ///< the sensor, topic or node
   std::string words;     ///< what, the value, and the remedy
-  bool is_note = false;  ///< may be as it should
+  bool is_note = false;  ///< may be intended
 };
 
-/// What trackers bear, which decides what is wrong.
+/// Limits of the trackers, beyond which something is wrong.
 struct InputLimits {
   double max_lag = 0.5;     ///< lateness up to which a scan is put in its place [s]
   double max_future = 0.1;  ///< by how much a stamp may be ahead of the clock [s]
 };
 
-/// What came in of one sensor over some time, as it was sent: neither turned nor tracked. Its memory is
+/// The scans of one sensor over some time, as they were sent: neither turned nor tracked. The memory is
 /// bounded.
 class SensorRecord {
  public:
@@ -37,7 +37,7 @@ class SensorRecord {
   /// A tracker's squared innovation over what it expects, of two angles.
   void takeInnovation(double distance_squared) { innovations_.add(distance_squared); }
 
-  /// What is wrong with it, in plain words with values and remedies.
+  /// What is wrong with it, with values and remedies.
   std::vector<Finding> findings(const std::string& subject, const InputLimits& limits) const;
 
   std::size_t scans() const { return scans_; }
@@ -59,18 +59,18 @@ class SensorRecord {
  private:
   struct Counted {
     std::size_t count = 0;
-    std::string first;  // the whole story of the first one
+    std::string first;  // the first one, with value and remedy
   };
 
   void takeStamp(sightline::core::Time stamp, sightline::core::Time arrival);
   void takeSightings(const sightline::SightingArray& scan);
   std::string count(std::size_t number) const;
-  std::optional<std::string> latencyWords(const InputLimits& limits) const;
-  std::optional<std::string> stampWords(const InputLimits& limits) const;
-  std::optional<std::string> duplicateWords() const;
-  std::optional<std::string> gapWords() const;
-  std::optional<std::string> emptyWords() const;
-  std::optional<std::string> innovationWords() const;
+  std::optional<std::string> latencyText(const InputLimits& limits) const;
+  std::optional<std::string> stampText(const InputLimits& limits) const;
+  std::optional<std::string> duplicateText() const;
+  std::optional<std::string> gapText() const;
+  std::optional<std::string> emptyText() const;
+  std::optional<std::string> innovationText() const;
 
   std::size_t scans_ = 0;
   std::size_t empty_ = 0;
@@ -86,7 +86,7 @@ class SensorRecord {
   sightline::core::RecentValues intervals_;
   sightline::core::RecentValues innovations_;
   sightline::core::RecentValues sigmas_;          // [rad]
-  std::map<std::string, Counted> refused_scans_;  // by reason
+  std::map<std::string, Counted> refused_scans_;  // by kind
   Counted refused_sightings_;
   std::set<std::string> frames_;
 };

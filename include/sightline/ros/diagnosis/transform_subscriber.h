@@ -9,9 +9,9 @@
 
 namespace sightline_ros {
 
-/// Fills a transform buffer from /tf and /tf_static on the node handle's own callback queue, and says so:
-/// what waits for a transform goes on at once, and needs no lock. (tf2_ros::TransformListener leaves its
-/// users to poll.)
+/// Fills a transform buffer from /tf and /tf_static on the node handle's own callback queue, and calls back
+/// after each message: what waits for a transform continues at once, and needs no lock. (Users of
+/// tf2_ros::TransformListener have to poll.)
 class TransformSubscriber {
  public:
   /// Topics remap as usual. `on_change` is called after each message; `buffer` must outlive this.

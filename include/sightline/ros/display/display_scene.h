@@ -27,10 +27,9 @@ struct DisplayParams {
   double silence = 1.5;        ///< after which the things of a silent topic vanish [s]
 };
 
-/// What is seen now, from messages in to markers out. Things are drawn in channels, one for each sensor or
-/// tracker by name, so that each can be switched off; the main track and the truth have theirs.
-/// `now` is the time of receipt [s], never going back by more than 1 s but when a recording starts anew: then
-/// all is forgotten.
+/// Messages in, markers out. Things are drawn in channels, one for each sensor or tracker by name, so that
+/// each can be switched off; the main track and the truth have theirs. `now` is the time of receipt [s],
+/// never going back by more than 1 s but when a recording starts anew: then all is forgotten.
 class DisplayScene {
  public:
   static constexpr const char* kMainChannel = "fusion";
@@ -52,14 +51,14 @@ class DisplayScene {
   std::map<std::string, MarkerArray> draw(double now);
 
   /// Where a camera should look (azimuth, elevation) [rad]: to the horizon below the first thing seen. It
-  /// keeps still while a believed main track, or the latest sighting when there is none, is within 1 rad of
-  /// it, and is taken along beyond. Along the frame's x axis before there is anything.
+  /// keeps still while an established main track, or the latest sighting when there is none, is within 1 rad
+  /// of it, and is taken along beyond. Along the frame's x axis before there is anything.
   Eigen::Vector2d view() const { return view_.value_or(Eigen::Vector2d::Zero()); }
 
  private:
   using Sheets = std::map<std::string, MarkerArray>;
 
-  bool isHeard(const TrackMemory& memory, double now) const;
+  bool isPresent(const TrackMemory& memory, double now) const;
   void restartWhenBack(double now);
   void aimView();
   void forgetSilentSensors();

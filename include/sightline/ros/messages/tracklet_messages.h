@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <sightline/TrackletArray.h>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/tracking/tracklet_builder.h"
 
 namespace sightline_ros {
@@ -11,8 +13,12 @@ namespace sightline_ros {
 /// `frame`: the tracking frame.
 sightline::TrackletArray toMessage(const sightline::core::TrackletReport& report, const std::string& frame);
 
-/// The usable ones of a message's tracklets. `complaint` says what is wrong with the others ("invalid: which,
-/// why"); empty when nothing is.
-sightline::core::TrackletReport toCore(const sightline::TrackletArray& message, std::string& complaint);
+/// What a message of tracklets says.
+struct ReadTracklets {
+  sightline::core::TrackletReport report;           ///< with the tracklets that can be used
+  std::optional<sightline::core::Refusal> refusal;  ///< of the last that cannot: which one, and why
+};
+
+ReadTracklets readTracklets(const sightline::TrackletArray& message);
 
 }  // namespace sightline_ros

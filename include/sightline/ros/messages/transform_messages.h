@@ -9,9 +9,9 @@
 
 namespace sightline_ros {
 
-/// Static transforms are sent again and again [s of the wall's clock]: of several latched messages of one
-/// process roscpp keeps the last, so that of the nodelets in a manager only one would be heard by those who
-/// come later.
+/// Static transforms are repeated at this interval [s of the wall's clock]: of several latched messages of
+/// one process roscpp keeps only the last, so that late subscribers would receive the transforms of only one
+/// of the nodelets in a manager.
 constexpr double kSecondsBetweenStaticTransforms = 0.5;
 
 /// The pose of frame `child` in frame `parent`: position of its origin [m], and the rotation that maps child

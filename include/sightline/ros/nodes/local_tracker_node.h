@@ -1,10 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <ros/subscriber.h>
@@ -14,6 +14,7 @@
 
 #include "sightline/ros/components/local_tracker_component.h"
 #include "sightline/ros/components/local_tracker_health.h"
+#include "sightline/ros/diagnosis/periodic_diagnostics.h"
 #include "sightline/ros/diagnosis/transform_subscriber.h"
 
 namespace sightline_ros {
@@ -40,14 +41,13 @@ class LocalTrackerNode {
   tf2::BufferCore transforms_;
   LocalTrackerComponent component_;
   LocalTrackerHealth health_;
-  diagnostic_updater::Updater diagnostics_;
   ros::Publisher tracks_;
   ros::Publisher tracklets_;
   ros::Publisher associations_;
   std::vector<ros::Subscriber> sightings_;
   std::unique_ptr<TransformSubscriber> transform_subscriber_;
   ros::WallTimer timeout_timer_;
-  ros::WallTimer diagnostics_timer_;
+  std::optional<PeriodicDiagnostics> diagnostics_;
 };
 
 }  // namespace sightline_ros

@@ -10,9 +10,9 @@
 
 namespace sightline_ros {
 
-/// Runs work at the times that it asks for, on ROS's clock, wall or simulated. The times are absolute: what
-/// one run took does not delay the next, and neither does a simulated clock that jumps meanwhile. Says so
-/// (throttled) when it falls behind.
+/// Runs work at the times that it asks for, on ROS's clock, wall or simulated. The times are absolute: the
+/// duration of one run does not delay the next, and neither does a simulated clock that jumps meanwhile.
+/// Warns (throttled) when it falls behind.
 class Pacer {
  public:
   /// Does everything that is due at `now`; returns when it is next due, nullopt when there is nothing to wait

@@ -48,7 +48,7 @@ class TrackEvaluatorNode {
   TrackEvaluatorNode& operator=(const TrackEvaluatorNode&) = delete;
 
  private:
-  /// Stamps heard so far of one kind of message.
+  /// First and last stamp of one kind of message so far.
   struct Span {
     sightline::core::Time first{}, last{};
   };
@@ -61,7 +61,7 @@ class TrackEvaluatorNode {
   void everySecond();
 
   bool isInTrackingFrame(const std::string& topic, const std::string& frame);
-  void drop(const std::string& topic, const std::string& reason, const std::string& detail);
+  void drop(const std::string& topic, const sightline::core::Refusal& refusal);
   void endAfterDuration(std::optional<Span>& span, sightline::core::Time stamp);
   double elapsed() const;
   void printLive();

@@ -1,18 +1,18 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <ros/subscriber.h>
-#include <ros/wall_timer.h>
 #include <sightline/TrackArray.h>
 #include <sightline/TrackletArray.h>
 
 #include "sightline/ros/components/track_fusion_component.h"
 #include "sightline/ros/components/track_fusion_health.h"
+#include "sightline/ros/diagnosis/periodic_diagnostics.h"
 
 namespace sightline_ros {
 
@@ -36,11 +36,10 @@ class TrackFusionNode {
   std::vector<std::string> topics_;           // full names
   std::vector<std::string> tracklet_topics_;  // likewise
   TrackFusionHealth health_;
-  diagnostic_updater::Updater diagnostics_;
   ros::Publisher tracks_;
   ros::Publisher report_;
   std::vector<ros::Subscriber> subscribers_;
-  ros::WallTimer diagnostics_timer_;
+  std::optional<PeriodicDiagnostics> diagnostics_;
   sightline::core::Time last_now_{};
 };
 

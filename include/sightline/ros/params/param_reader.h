@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -9,6 +8,8 @@
 
 #include <ros/node_handle.h>
 
+#include "sightline/ros/params/param_range.h"
+
 namespace sightline_ros {
 
 /// A configuration that cannot be used. The message is one line: full parameter name, what was expected with
@@ -16,22 +17,6 @@ namespace sightline_ros {
 struct ParamError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-
-/// The numbers that a parameter may take. Infinite ends are always open.
-struct Range {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  bool low_open = false;
-  bool high_open = false;
-
-  bool holds(double value) const;
-};
-
-Range anyNumber();                       ///< any finite number
-Range atLeast(double low);               ///< [low, inf)
-Range above(double low);                 ///< (low, inf)
-Range between(double low, double high);  ///< [low, high]
-Range inside(double low, double high);   ///< (low, high)
 
 /// Reads one tree of parameters strictly: a wrong type, a value out of range, a missing required key and a
 /// key that nobody asked for are refused with a ParamError. It remembers what was read; a reader and its

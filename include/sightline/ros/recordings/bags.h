@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
 
 #include <rosbag/bag.h>
@@ -10,8 +12,8 @@ namespace sightline_ros {
 /// A bag open for reading. Throws std::runtime_error with the file's name and what is wrong with it.
 std::unique_ptr<rosbag::Bag> openBag(const std::string& file);
 
-/// A bag under way: written beside its place, and put there by `finish`; removed when it was not finished. So
-/// what stands under the name is always whole.
+/// Writes a bag under a temporary name beside `file`. `finish` renames it; without `finish` it is removed. So
+/// the file is always complete.
 class BagWriter {
  public:
   /// Throws std::runtime_error when the file cannot be written.
@@ -32,6 +34,10 @@ class BagWriter {
 
 /// Whether a name can be a part of a topic: letters, digits, underscores, and at least one.
 bool isTopicPart(const std::string& name);
+
+/// For each sensor its part of a topic: its name where that can be one, otherwise a similar one that no other
+/// sensor has.
+std::map<std::string, std::string> topicPartsOf(const std::set<std::string>& sensors);
 
 /// /sensors/<sensor>/<what>.
 std::string sensorTopic(const std::string& sensor, const std::string& what);

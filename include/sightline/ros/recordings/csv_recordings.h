@@ -11,12 +11,13 @@
 namespace sightline_ros {
 
 /// Columns of a recording of sightings; `scan` (any text) is optional: without it each row is a scan.
-CsvTable readSightingTable(const std::string& path);
+sightline::report::CsvTable readSightingTable(const std::string& path);
 
 /// The recording as scans, in order of time and sensor. Times get `offset` [s] added; `frame` is that of the
 /// angles. Throws CsvError, with the line, for a time that ROS cannot hold, a sensor name that no topic can
 /// be made of, a sighting that every tracker would reject, and a scan whose rows differ in time.
-std::vector<sightline::SightingArray> scansOf(const CsvTable& table, const std::string& frame, double offset);
+std::vector<sightline::SightingArray> scansOf(const sightline::report::CsvTable& table,
+                                              const std::string& frame, double offset);
 
 /// `time,tracker,track,status,azimuth,...`: the header line of tracks, without line end.
 std::string trackColumns();

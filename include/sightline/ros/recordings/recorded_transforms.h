@@ -11,8 +11,8 @@
 
 namespace sightline_ros {
 
-/// The transforms of a recording, /tf and /tf_static, brought into a buffer as time goes on. Reading them all
-/// at the beginning, in the order of their stamps, makes the result independent of when they had arrived.
+/// The transforms of a recording (/tf and /tf_static), put into a buffer as time advances. All are read at
+/// the beginning and ordered by their stamps, so the result does not depend on when they arrived.
 class RecordedTransforms {
  public:
   /// How far lookups may go behind the time that was advanced to [s].
@@ -20,10 +20,10 @@ class RecordedTransforms {
 
   explicit RecordedTransforms(const rosbag::Bag& bag);
 
-  /// Makes everything stamped up to `time` available.
+  /// Makes the transforms stamped up to `time` available.
   void advanceTo(sightline::core::Time time);
 
-  /// Back to before the first: for a recording whose stamps go back.
+  /// Starts before the first again: for a recording whose stamps go back.
   void rewind();
 
   const tf2::BufferCore& buffer() const { return buffer_; }

@@ -8,20 +8,20 @@
 #include <rosbag/bag.h>
 #include <sightline/AssociationArray.h>
 
-#include "sightline/core/evaluation/scores.h"
+#include "sightline/core/evaluation/track_report.h"
 #include "sightline/ros/messages/frames.h"
 
 namespace sightline_ros {
 
-/// Who is told of the messages of a recording; each may be empty.
+/// Functions that are called with the messages of a recording; each may be empty.
 struct RecordingVisitor {
   std::function<void(const std::string& topic, sightline::core::Scan scan_tracking)> scan;
   std::function<void(const std::string& topic, sightline::core::TrackReport report)> tracks;
   std::function<void(const std::string& topic, const sightline::AssociationArray& associations)> associations;
 };
 
-/// Reads what there is to evaluate in a recording: scans, brought into the tracking frame, tracks and
-/// associations, in the order in which they were recorded.
+/// Reads the scans (rotated into the tracking frame), tracks and associations of a recording in the order in
+/// which they were recorded.
 class RecordingReader {
  public:
   /// `bag` must outlive this.

@@ -15,7 +15,7 @@ class TruthComparison {
   TruthComparison(const RecordedTruth& truth, sightline::core::EvaluationParams params,
                   const sightline::core::ScoreListener& listener);
 
-  /// A scan, or report, of a sensor without a truth is only counted.
+  /// A scan or report of a sensor without a truth is only counted.
   void addScan(const std::string& topic, sightline::core::Scan scan);
   void addTracks(const std::string& topic, sightline::core::TrackReport report);
 

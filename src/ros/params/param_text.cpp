@@ -1,4 +1,4 @@
-#include "sightline/ros/params/param_words.h"
+#include "sightline/ros/params/param_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,18 +11,6 @@ using XmlRpc::XmlRpcValue;
 
 namespace {
 
-/// The shortest decimal text that reads back as `value`, without exponent for ordinary numbers.
-std::string shortest(double value) {
-  const int digits_before_point =
-      std::abs(value) >= 1.0 && std::isfinite(value) ? 1 + static_cast<int>(std::log10(std::abs(value))) : 1;
-  char text[64];
-  for (int digits = std::min(digits_before_point, 15); digits <= 17; ++digits) {
-    std::snprintf(text, sizeof(text), "%.*g", digits, value);
-    if (std::strtod(text, nullptr) == value) break;
-  }
-  return text;
-}
-
 /// The shortest text with sign and point in which YAML sees a number, e.g. 1.0e-03.
 std::string withSignAndPoint(double value) {
   char text[64];
@@ -31,16 +19,6 @@ std::string withSignAndPoint(double value) {
     if (std::strtod(text, nullptr) == value) break;
   }
   return text;
-}
-
-std::string rangeInWords(const Range& range) {
-  const bool bounded_below = std::isfinite(range.low);
-  const bool bounded_above = std::isfinite(range.high);
-  if (!bounded_below && !bounded_above) return "";
-  if (!bounded_above) return (range.low_open ? " > " : " >= ") + shortest(range.low);
-  if (!bounded_below) return (range.high_open ? " < " : " <= ") + shortest(range.high);
-  return std::string(" in ") + (range.low_open ? "(" : "[") + shortest(range.low) + ", " +
-         shortest(range.high) + (range.high_open ? ")" : "]");
 }
 
 /// Number of single-letter edits between two words (Levenshtein).
@@ -61,8 +39,15 @@ std::size_t editsBetween(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string expectedNumber(const Range& range, const std::string& unit) {
-  return "a number" + rangeInWords(range) + (unit.empty() ? "" : " [" + unit + "]");
+std::string shortestText(double value) {
+  const int digits_before_point =
+      std::abs(value) >= 1.0 && std::isfinite(value) ? 1 + static_cast<int>(std::log10(std::abs(value))) : 1;
+  char text[64];
+  for (int digits = std::min(digits_before_point, 15); digits <= 17; ++digits) {
+    std::snprintf(text, sizeof(text), "%.*g", digits, value);
+    if (std::strtod(text, nullptr) == value) break;
+  }
+  return text;
 }
 
 std::string quoted(const std::string& text) {
@@ -75,14 +60,14 @@ std::string joined(const std::vector<std::string>& parts, const std::string& sep
   return all;
 }
 
-std::string inWords(XmlRpcValue& value) {
+std::string textOf(XmlRpcValue& value) {
   switch (value.getType()) {
     case XmlRpcValue::TypeBoolean:
       return static_cast<bool>(value) ? "true" : "false";
     case XmlRpcValue::TypeInt:
       return std::to_string(static_cast<int>(value));
     case XmlRpcValue::TypeDouble:
-      return shortest(static_cast<double>(value));
+      return shortestText(static_cast<double>(value));
     case XmlRpcValue::TypeString:
       return "the string " + quoted(static_cast<std::string>(value));
     case XmlRpcValue::TypeArray:
@@ -100,7 +85,7 @@ std::string remedyForNumber(XmlRpcValue& value) {
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
   if (text.empty() || *end != '\0' || !std::isfinite(number)) return "";
-  return " (write " + shortest(number) + " or " + withSignAndPoint(number) + " with a sign and a point)";
+  return " (write " + shortestText(number) + " or " + withSignAndPoint(number) + " with a sign and a point)";
 }
 
 std::string nearestName(const std::string& unknown, const std::set<std::string>& asked) {

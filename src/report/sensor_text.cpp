@@ -1,17 +1,14 @@
-#include "sightline/report/sensor_words.h"
+#include "sightline/report/sensor_text.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
 
-namespace sightline_ros {
-
-namespace core = sightline::core;
-
+namespace sightline::report {
 namespace {
 
-constexpr double kLooksToTell = 30.0;  // of settled targets, from which their share is said
+constexpr double kLeastLooks = 30.0;  // at mature targets, below which their share is not given
 
 /// A stamp as seconds to the millisecond.
 std::string stampOf(core::Time time) {
@@ -54,28 +51,28 @@ std::string consequenceOf(core::SensorVerdict verdict, bool undecided) {
 
 }  // namespace
 
-std::string wordsOf(const core::SensorChange& change) {
+std::string textOf(const core::SensorChange& change) {
   return "sensor \"" + change.sensor + "\" " + findingOf(change.change) + " (noticed at " +
          stampOf(change.change.time) + "): " + consequenceOf(change.change.verdict, change.undecided);
 }
 
-std::string wordsOf(const core::CalibratedDetection& sensor) {
+std::string textOf(const core::CalibratedDetection& sensor) {
   std::ostringstream words;
   words << std::setprecision(2);
-  if (sensor.looked >= kLooksToTell)
+  if (sensor.looked >= kLeastLooks)
     words << 100.0 * sensor.seen / sensor.looked << " % of settled targets seen, ";
   words << sensor.clutter / std::max(sensor.scans, 1.0) << " false sightings a scan";
   return words.str();
 }
 
-std::string wordsOf(const core::CalibratedSensor& sensor) {
+std::string textOf(const core::CalibratedSensor& sensor) {
   std::ostringstream text;
   text << std::setprecision(2) << std::sqrt(sensor.scale) << " times the stated sigma (from " << std::fixed
        << std::setprecision(0) << sensor.sightings << " sightings)";
   return text.str();
 }
 
-std::string clockWordsOf(const core::WatchedSensor& sensor) {
+std::string clockTextOf(const core::WatchedSensor& sensor) {
   if (!sensor.clock) return "";
   std::ostringstream text;
   text << std::setprecision(3) << "clock of " << sensor.sensor << " is " << std::abs(sensor.clock->behind)
@@ -85,7 +82,7 @@ std::string clockWordsOf(const core::WatchedSensor& sensor) {
   return text.str();
 }
 
-std::string wordsOf(const core::WatchedSensor& sensor) {
+std::string textOf(const core::WatchedSensor& sensor) {
   if (!sensor.last) return "healthy";
   std::string words = findingOf(*sensor.last);
   if (sensor.verdict == core::SensorVerdict::healthy)
@@ -98,4 +95,4 @@ std::string wordsOf(const core::WatchedSensor& sensor) {
   return words + ": " + consequenceOf(sensor.verdict, sensor.undecided);
 }
 
-}  // namespace sightline_ros
+}  // namespace sightline::report

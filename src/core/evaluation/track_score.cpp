@@ -1,15 +1,16 @@
-#include "sightline/core/evaluation/scores.h"
+#include "sightline/core/evaluation/track_score.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "sightline/core/association/assignment.h"
+#include "sightline/core/model/sphere.h"
 
 namespace sightline::core {
 namespace {
 
 constexpr double kForbidden = std::numeric_limits<double>::infinity();
-constexpr double kKeepShare = 1.0 / 3.0;  // of the gate
+constexpr double kKeepShare = 1.0 / 3.0;  // of the gate, by which a target keeps its track
 constexpr double kLongestStep = 2.0;      // [s] between reports; after more the tracker was silent
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -22,50 +23,16 @@ bool isEstablished(const Track& track) {
   return track.status != TrackStatus::tentative && track.state.mean.allFinite();
 }
 
-std::vector<const Track*> believedOf(const TrackReport& report) {
-  std::vector<const Track*> believed;
+std::vector<const Track*> establishedOf(const TrackReport& report) {
+  std::vector<const Track*> established;
   for (const Track& track : report.tracks) {
-    if (isEstablished(track)) believed.push_back(&track);
+    if (isEstablished(track)) established.push_back(&track);
   }
-  return believed;
+  return established;
 }
 
 std::optional<std::uint32_t> idOf(const Track* track) {
   return track ? std::optional(track->id) : std::nullopt;
-}
-
-double statedVariance(const Sighting& sighting, Channels channels) {
-  return channels == Channels::azimuth_only ? anglesCovariance(sighting)(0, 0)
-                                            : 0.5 * sighting.covariance.trace();
-}
-
-/// Whether a sighting is so far from the target that no gate reaches it; saves the trouble with most of many.
-bool isOutOfReach(const Sighting& sighting, const Eigen::Vector3d& target, const SightingGate& gate,
-                  Channels channels) {
-  constexpr double kMargin = 2.0;  // for what arcs and angles differ
-  if (channels == Channels::azimuth_only) return false;
-  const double reach = kMargin * std::max(gate.floor, gate.sigmas * std::sqrt(sighting.covariance.trace()));
-  return (sighting.direction - target).squaredNorm() > reach * reach;
-}
-
-/// For each target its sighting, or -1: as many as lie within the gate, with the smallest sum of squared
-/// distances.
-std::vector<int> matchSightings(const std::vector<TrueTarget>& targets,
-                                const std::vector<Sighting>& sightings, const SightingGate& gate,
-                                Channels channels) {
-  const double dimensions = channels == Channels::azimuth_only ? 1.0 : 2.0;
-  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(targets.size(), sightings.size(), kForbidden);
-  for (Eigen::Index i = 0; i < cost.rows(); ++i) {
-    const Eigen::Vector3d target = directionOf(targets[i].state.angles());
-    for (Eigen::Index j = 0; j < cost.cols(); ++j) {
-      if (isOutOfReach(sightings[j], target, gate, channels)) continue;
-      const DirectionError error = errorOf(sightings[j], targets[i].state, channels);
-      const double square = error.position.squaredNorm();
-      const double sigmas = error.position_nees ? std::sqrt(*error.position_nees * dimensions) : kForbidden;
-      if (square <= gate.floor * gate.floor || sigmas <= gate.sigmas) cost(i, j) = square;
-    }
-  }
-  return assign(cost);
 }
 
 /// Squared angles [rad^2] between targets (rows) and tracks (columns) that are no further apart than `gate`
@@ -108,7 +75,7 @@ Gospa gospaOf(const std::vector<TrueTarget>& targets, const std::vector<const Tr
   std::vector<Eigen::Vector3d> truths, estimates;
   std::vector<const Track*> ignored;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    if (targets[i].settled) {
+    if (targets[i].is_scored) {
       truths.push_back(comparable(targets[i].state.angles(), channels));
     } else if (track_of[i]) {
       ignored.push_back(track_of[i]);
@@ -123,50 +90,19 @@ Gospa gospaOf(const std::vector<TrueTarget>& targets, const std::vector<const Tr
 
 }  // namespace
 
-void SightingScore::note(const Scan& scan) {
-  for (const Sighting& sighting : scan.sightings) {
-    const double variance = statedVariance(sighting, channels_);
-    if (std::isfinite(variance) && variance > 0.0) stated_variance_.add(variance);
-  }
-}
-
-double SightingScore::statedSigma() const {
-  return std::sqrt(stated_variance_.mean());
-}
-
-void SightingScore::judge(const Scan& scan, const std::vector<TrueTarget>& targets, const SightingGate& gate,
-                          const ScoreListener& listener) {
-  const std::vector<int> sighting_of = matchSightings(targets, scan.sightings, gate, channels_);
-  const auto matched = targets.size() - std::count(sighting_of.begin(), sighting_of.end(), -1);
-  unmatched_ += scan.sightings.size() - matched;
-
-  RunningMean square;
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    if (sighting_of[i] < 0 || !targets[i].settled) continue;
-    const Sighting& sighting = scan.sightings[sighting_of[i]];
-    const DirectionError error = errorOf(sighting, targets[i].state, channels_);
-    errors_.add(error);
-    square.add(error.position.squaredNorm() / errors_.dimensions());
-    if (listener.pair) {
-      listener.pair({topic_, sensor_, scan.time, targets[i].id, 0, anglesOf(sighting.direction),
-                     targets[i].state.angles(), error});
-    }
-  }
-  if (square.count() > 0) last_error_ = std::sqrt(square.mean());
-}
-
 void TrackScore::note(const TrackReport& report) {
   tracker_ = report.tracker;
   fused_ = report.fused;
-  const std::vector<const Track*> tracks = believedOf(report);
+  const std::vector<const Track*> tracks = establishedOf(report);
   tracks_now_ = static_cast<int>(tracks.size());
   angles_now_ = tracks.empty() ? Eigen::Vector2d::Constant(kUnknown) : tracks.front()->state.angles();
 }
 
-void TrackScore::judge(const TrackReport& report, const std::vector<TrueTarget>& targets, double gate,
-                       const ScoreListener& listener) {
-  forgetTheDeparted(report.time, targets);
-  const std::vector<const Track*> tracks = believedOf(report);
+void TrackScore::add(const TrackReport& report, const std::vector<TrueTarget>& targets, double gate,
+                     const ScoreListener& listener) {
+  forgetDepartedTargets(report.time, targets);
+  advanceTo(report.time);
+  const std::vector<const Track*> tracks = establishedOf(report);
   const std::vector<const Track*> track_of = matchTracks(targets, tracks, continuity_, gate, channels_);
   const auto matched = targets.size() - std::count(track_of.begin(), track_of.end(), nullptr);
   unmatched_ += tracks.size() - matched;
@@ -174,9 +110,9 @@ void TrackScore::judge(const TrackReport& report, const std::vector<TrueTarget>&
 
   RunningMean square;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    if (!targets[i].settled) continue;
+    if (!targets[i].is_scored) continue;
     noteContinuity(targets[i], track_of[i]);
-    if (track_of[i]) square.add(judgePair(report, targets[i], *track_of[i], listener));
+    if (track_of[i]) square.add(scorePair(report, targets[i], *track_of[i], listener));
   }
   if (square.count() > 0) last_error_ = std::sqrt(square.mean());
 
@@ -207,20 +143,23 @@ void TrackScore::noteContinuity(const TrueTarget& target, const Track* track) {
   score.id_switches += change.switched ? 1 : 0;
 }
 
-void TrackScore::forgetTheDeparted(Time time, const std::vector<TrueTarget>& targets) {
+void TrackScore::forgetDepartedTargets(Time time, const std::vector<TrueTarget>& targets) {
   std::vector<std::uint32_t> stayed;
   for (const TrueTarget& target : targets) {
-    if (last_judged_ && target.age >= seconds(time - *last_judged_)) stayed.push_back(target.id);
+    if (last_scored_ && target.age >= seconds(time - *last_scored_)) stayed.push_back(target.id);
   }
   std::sort(stayed.begin(), stayed.end());
   continuity_.forgetAllBut(stayed);
   appearances_.endAllBut(stayed);
-  const double step = last_judged_ ? seconds(time - *last_judged_) : 0.0;
-  if (step <= kLongestStep) judged_time_ += std::fmax(step, 0.0);
-  last_judged_ = time;
 }
 
-double TrackScore::judgePair(const TrackReport& report, const TrueTarget& target, const Track& track,
+void TrackScore::advanceTo(Time time) {
+  const double step = last_scored_ ? seconds(time - *last_scored_) : 0.0;
+  if (step <= kLongestStep) scored_time_ += std::fmax(step, 0.0);
+  last_scored_ = time;
+}
+
+double TrackScore::scorePair(const TrackReport& report, const TrueTarget& target, const Track& track,
                              const ScoreListener& listener) {
   const DirectionError error = errorOf(track.state, target.state, channels_);
   errors_.add(error);

@@ -1,10 +1,11 @@
-#include "sightline/report/plain_words.h"
+#include "sightline/report/value_text.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <iomanip>
 #include <sstream>
 
-namespace sightline_ros {
+namespace sightline::report {
 
 std::string valueOf(double number, const std::string& unit) {
   std::ostringstream text;
@@ -26,4 +27,11 @@ std::string listOf(const std::set<std::string>& names, std::size_t most) {
   return list;
 }
 
-}  // namespace sightline_ros
+std::optional<double> numberFrom(const std::string& text) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+}  // namespace sightline::report

@@ -1,0 +1,64 @@
+# cpack, run in the build folder, makes a .deb for the Debian release that it runs on. The package lies as Debian's own ROS
+# packages do, in /usr/share/sightline, /usr/lib/sightline and /usr/lib, where roslaunch and rosrun find it without
+# anything being sourced. Included at the end of CMakeLists.txt, after everything that is installed.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME ${PROJECT_NAME})
+set(CPACK_PACKAGE_VERSION ${sightline_VERSION})  # of package.xml
+set(CPACK_PACKAGE_CONTACT "The sightline developers <sightline@example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "tracks and fuses the angular sightings of several passive sensors (ROS)")
+set(CPACK_PACKAGE_DESCRIPTION "Azimuth and elevation in, tracks with honest covariances out: trackers, track fusion,
+a six-sensor simulation and tools for recordings, as ROS nodes, nodelets and a C++ library.")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+# The libraries are found by dpkg-shlibdeps; what is started or imported at run time is named here. The names are those of
+# Debian 12 and 13 alike.
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_CURRENT_BINARY_DIR} ${CATKIN_DEVEL_PREFIX}/lib)
+string(JOIN ", " CPACK_DEBIAN_PACKAGE_DEPENDS
+  python3-roslaunch rosout      # roslaunch and what it starts
+  rosbash                       # rosrun, in scripts/play_sightings
+  python3-rosbag                # rosbag record and play
+  libnodeletlib-tools           # the nodelet manager
+  python3-genpy python3-std-msgs  # our messages in Python
+)
+string(JOIN ", " CPACK_DEBIAN_PACKAGE_RECOMMENDS
+  rviz python3-matplotlib
+  python3-rostopic python3-rosnode python3-rosparam python3-rosservice
+  python3-diagnostic-msgs python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-tf2-msgs
+  python3-visualization-msgs)
+# Headers and sightlineConfig.cmake are in the package too: what a program needs that builds against it.
+string(JOIN ", " CPACK_DEBIAN_PACKAGE_SUGGESTS libroscpp-dev libtf2-ros-dev libeigen3-dev libyaml-cpp-dev)
+
+set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_CURRENT_BINARY_DIR}/check_packaging.cmake)
+if(CATKIN_INSTALL_INTO_PREFIX_ROOT)
+  # catkin would install the setup files of a workspace, and outside the package at that.
+  file(WRITE ${CPACK_PROJECT_CONFIG_FILE} "message(FATAL_ERROR
+    \"To package sightline, configure with -DCATKIN_INSTALL_INTO_PREFIX_ROOT=OFF, as scripts/build does.\")\n")
+else()
+  file(WRITE ${CPACK_PROJECT_CONFIG_FILE} "")
+endif()
+
+# catkin writes the prefix that was configured into what other packages read: in the package it is /usr. And what Python
+# compiled here is nothing to another machine's Python.
+set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_BINARY_DIR}/tidy_package.cmake)
+file(WRITE ${CPACK_PRE_BUILD_SCRIPTS} "set(configured \"${CMAKE_INSTALL_PREFIX}\")\n" [=[
+foreach(file lib/pkgconfig/sightline.pc share/sightline/cmake/sightlineConfig.cmake)
+  set(file ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/${file})
+  if(EXISTS ${file} AND NOT configured STREQUAL /usr)
+    file(READ ${file} text)
+    string(REPLACE "${configured}" /usr text "${text}")
+    file(WRITE ${file} "${text}")
+  endif()
+endforeach()
+file(GLOB compiled ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/lib/python3/dist-packages/sightline/__pycache__
+  ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/lib/python3/dist-packages/sightline/*/__pycache__)
+if(compiled)
+  file(REMOVE_RECURSE ${compiled})
+endif()
+]=])
+
+include(CPack)

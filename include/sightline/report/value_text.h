@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+
+/// Numbers with units and lists of names, in the sentences that an operator reads.
+namespace sightline::report {
+
+/// A number with three significant digits, or all digits before the point, and its unit: "0.73 s", "3600 s".
+std::string valueOf(double number, const std::string& unit);
+
+/// "a, b, c"; of more than `most` names the first ones and "and N more".
+std::string listOf(const std::set<std::string>& names, std::size_t most = 8);
+
+/// The finite number that the whole text is; nullopt when it is none.
+std::optional<double> numberFrom(const std::string& text);
+
+}  // namespace sightline::report

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <set>
+#include <string>
+
+#include <rosbag/bag.h>
+#include <rosbag/message_instance.h>
+#include <sightline/TrackArray.h>
+#include <sightline/TrackletArray.h>
+
+#include "sightline/ros/components/local_tracker_component.h"
+#include "sightline/ros/components/track_fusion_component.h"
+#include "sightline/ros/recordings/replay.h"
+
+namespace sightline_ros {
+
+/// The topics on which a local tracker publishes.
+struct TrackerTopics {
+  explicit TrackerTopics(const std::string& space)
+      : tracks(space + "/tracks"), tracklets(space + "/tracklets"), associations(space + "/associations") {}
+
+  std::string tracks, tracklets, associations;
+};
+
+/// Writes the bag of a replay and counts in its summary what is written.
+class ReplayOutput {
+ public:
+  /// Both must outlive this.
+  ReplayOutput(rosbag::Bag& out, ReplaySummary& summary);
+
+  /// The replay publishes on these topics: recorded messages on them are not copied.
+  void replace(const TrackerTopics& topics);
+
+  /// Copies a recorded message, unless its topic is replaced.
+  void copy(const rosbag::MessageInstance& message);
+
+  /// What a tracker, named `tracker`, made of a scan.
+  void write(const TrackerReport& report, const std::string& tracker, const TrackerTopics& topics);
+  void write(const sightline::TrackletArray& tracklets, const TrackerTopics& topics);
+
+  /// What the fusion made of tracks with this stamp.
+  void write(const FusionResult& fused, const ros::Time& stamp);
+
+ private:
+  void write(const sightline::TrackArray& tracks, const std::string& topic);
+
+  rosbag::Bag& out_;
+  ReplaySummary& summary_;
+  std::set<std::string> replaced_;  // topics
+};
+
+}  // namespace sightline_ros

@@ -1,0 +1,57 @@
+#include "sightline/ros/recordings/replay_output.h"
+
+#include <algorithm>
+
+namespace sightline_ros {
+namespace {
+
+const char* const kFusedTracks = "/fusion/tracks";
+const char* const kFusionReport = "/fusion/report";
+
+/// The time of a message with this stamp in a bag, which cannot hold time 0.
+ros::Time bagTime(const ros::Time& stamp) {
+  return std::max(stamp, ros::TIME_MIN);
+}
+
+}  // namespace
+
+ReplayOutput::ReplayOutput(rosbag::Bag& out, ReplaySummary& summary)
+    : out_(out), summary_(summary), replaced_({kFusedTracks, kFusionReport}) {}
+
+void ReplayOutput::replace(const TrackerTopics& topics) {
+  replaced_.insert({topics.tracks, topics.tracklets, topics.associations});
+}
+
+void ReplayOutput::copy(const rosbag::MessageInstance& message) {
+  if (replaced_.count(message.getTopic()) > 0) return;
+  out_.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
+  ++summary_.copied_messages;
+}
+
+void ReplayOutput::write(const TrackerReport& report, const std::string& tracker,
+                         const TrackerTopics& topics) {
+  out_.write(topics.associations, bagTime(report.scan->header.stamp), report.associations);
+  if (!report.tracks) {
+    ++summary_.drops[tracker + ": scan dropped, " + report.refusal->kind];
+    return;
+  }
+  if (report.rejected > 0) summary_.drops[tracker + ": sightings rejected"] += report.rejected;
+  if (report.tracklets) write(*report.tracklets, topics);
+  write(*report.tracks, topics.tracks);
+}
+
+void ReplayOutput::write(const sightline::TrackletArray& tracklets, const TrackerTopics& topics) {
+  out_.write(topics.tracklets, bagTime(tracklets.header.stamp), tracklets);
+}
+
+void ReplayOutput::write(const FusionResult& fused, const ros::Time& stamp) {
+  out_.write(kFusionReport, bagTime(stamp), fused.report);
+  if (fused.tracks) write(*fused.tracks, kFusedTracks);
+}
+
+void ReplayOutput::write(const sightline::TrackArray& tracks, const std::string& topic) {
+  out_.write(topic, bagTime(tracks.header.stamp), tracks);
+  ++summary_.track_messages;
+}
+
+}  // namespace sightline_ros

@@ -1,0 +1,74 @@
+#include "sightline/ros/recordings/bags.h"
+
+#include <filesystem>
+#include <functional>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include <rosbag/view.h>
+#include <std_msgs/String.h>
+
+#include "support/scratch_folder.h"
+
+using namespace sightline_ros;
+
+namespace {
+
+std::string complaintOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Bags, AFileThatIsMissingOrNoBagIsRefusedByName) {
+  const ScratchFolder folder;
+  const std::string missing = folder.file("missing.bag"), text = folder.write("text.bag", "no bag");
+  EXPECT_EQ(complaintOf([&] { openBag(missing); }), missing + ": there is no such file");
+  EXPECT_EQ(complaintOf([&] { openBag(text); }).find(text + ": is no readable bag"), 0u);
+}
+
+TEST(Bags, AWriterPutsTheFileInPlaceOnlyWhenItIsFinished) {
+  const ScratchFolder folder;
+  const std::string file = folder.file("out.bag");
+  {
+    BagWriter writer(file);
+    writer->write("/text", ros::Time(1.0), std_msgs::String());
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(file).parent_path()));
+  {
+    BagWriter writer(file);
+    writer->write("/text", ros::Time(1.0), std_msgs::String());
+    EXPECT_FALSE(std::filesystem::exists(file));
+    writer.finish();
+  }
+  EXPECT_EQ(rosbag::View(*openBag(file)).size(), 1u);
+}
+
+TEST(Bags, AFileThatCannotBeWrittenIsRefusedByName) {
+  const std::string file = "/no/such/folder/out.bag";
+  EXPECT_EQ(complaintOf([&] { BagWriter writer(file); }).find(file + ": cannot be written"), 0u);
+}
+
+TEST(Bags, TopicPartsAreLettersDigitsAndUnderscores) {
+  EXPECT_TRUE(isTopicPart("eye_2"));
+  for (const char* name : {"", "eye 2", "eye/2", "\xC3\xA4"}) EXPECT_FALSE(isTopicPart(name)) << name;
+  EXPECT_EQ(sensorTopic("eye", "tracks"), "/sensors/eye/tracks");
+}
+
+TEST(Bags, EverySensorHasATopicPartOfItsOwn) {
+  const auto parts = topicPartsOf({"eye 1", "eye-1", "eye_1", "left"});
+  EXPECT_EQ(parts.at("left"), "left");
+  EXPECT_EQ(parts.at("eye_1"), "eye_1");
+  std::set<std::string> distinct;
+  for (const auto& [sensor, part] : parts) {
+    EXPECT_TRUE(isTopicPart(part)) << part;
+    distinct.insert(part);
+  }
+  EXPECT_EQ(distinct.size(), 4u);
+}
+
+}  // namespace
