@@ -23,6 +23,10 @@ std::string secondsText(double seconds) {
   return text.str();
 }
 
+Refusal refusalAhead(const std::string& detail) {
+  return {"ahead", detail};
+}
+
 }  // namespace
 
 StampWatch::StampWatch(const StampWatchParams& params) : params_(params) {
@@ -38,7 +42,7 @@ StampWatch::StampWatch(const StampWatchParams& params) : params_(params) {
 StampJudgement StampWatch::take(std::uint64_t scan, const std::string& sensor, Time stamp,
                                 std::optional<Time> clock) {
   StampJudgement result;
-  const bool is_vouched_for = clock && std::abs(seconds(*clock - stamp)) <= params_.agreement;
+  const bool agrees_with_clock = clock && std::abs(seconds(*clock - stamp)) <= params_.agreement;
   const auto [entry, is_new] = sensors_.try_emplace(sensor);
   if (!front_) front_ = stamp;
   const double ahead = seconds(stamp - *front_);
@@ -47,14 +51,14 @@ StampJudgement StampWatch::take(std::uint64_t scan, const std::string& sensor, T
   const double leeway = was_ahead ? params_.max_lag / 2.0 : params_.max_lag;
   const bool stepped_back =
       is_new || entry->second.behind > 0 || seconds(entry->second.newest - stamp) > params_.max_lag;
-  hear(entry->second, stamp, is_new);
+  noteStamp(entry->second, stamp, is_new);
   entry->second.offset = ahead;
 
   if (ahead < -params_.max_lag) {
     if (entry->second.behind == 0) entry->second.front_then = *front_;
     entry->second.behind = stepped_back ? entry->second.behind + 1 : 0;
     takeBehind(scan, sensor, stamp, result);
-  } else if (ahead > leeway && (is_jump || was_ahead) && !is_vouched_for) {
+  } else if (ahead > leeway && (is_jump || was_ahead) && !agrees_with_clock) {
     takeAhead(scan, sensor, stamp, result);
   } else {
     takeOnLine(scan, sensor, stamp, result);
@@ -64,13 +68,13 @@ StampJudgement StampWatch::take(std::uint64_t scan, const std::string& sensor, T
 
 StampJudgement StampWatch::finish() {
   StampJudgement result;
-  for (const Held& held : held_) result.verdicts.push_back({held.scan, ""});
+  for (const Held& held : held_) result.verdicts.push_back({held.scan, std::nullopt});
   held_.clear();
   return result;
 }
 
 /// Brings the sensor's own time on; a leap or a pause of its stamps does not count.
-void StampWatch::hear(Sensor& sensor, Time stamp, bool is_new) {
+void StampWatch::noteStamp(Sensor& sensor, Time stamp, bool is_new) {
   const double step = seconds(stamp - sensor.newest);
   const bool steps_back = step < -params_.max_lag;
   if (is_new || steps_back || step > aliveFor(sensor)) {
@@ -84,7 +88,7 @@ void StampWatch::hear(Sensor& sensor, Time stamp, bool is_new) {
   }
   if (is_new || steps_back || step > 0.0) sensor.newest = stamp;
   elapsed_ = std::max(elapsed_, sensor.way);
-  sensor.heard = elapsed_;
+  sensor.last_received = elapsed_;
 }
 
 bool StampWatch::isJump(const Sensor& sensor, Time stamp, bool is_new) const {
@@ -96,7 +100,7 @@ double StampWatch::aliveFor(const Sensor& sensor) const {
 }
 
 bool StampWatch::isAlive(const Sensor& sensor) const {
-  return seconds(elapsed_ - sensor.heard) <= aliveFor(sensor);
+  return seconds(elapsed_ - sensor.last_received) <= aliveFor(sensor);
 }
 
 /// Whether a sensor is off the line in that direction, where one with this stamp is.
@@ -106,7 +110,7 @@ bool StampWatch::agrees(const Sensor& sensor, Place place, Time stamp) const {
   return is_there && std::abs(seconds(sensor.newest - stamp)) <= params_.agreement;
 }
 
-/// Whether more than half of the living sensors are there, with so many scans each on the average.
+/// Whether more than half of the active sensors are there, with so many scans each on the average.
 bool StampWatch::isMajority(Place place, Time stamp, int least_scans) const {
   int alive = 0, there = 0, scans = 0;
   for (const auto& [name, sensor] : sensors_) {
@@ -120,29 +124,30 @@ bool StampWatch::isMajority(Place place, Time stamp, int least_scans) const {
 }
 
 void StampWatch::takeOnLine(std::uint64_t scan, const std::string& name, Time stamp, StampJudgement& result) {
-  settleHeld(name, stamp, result);
-  comeBack(name, sensors_[name], result);
+  resolveHeld(name, stamp, result);
+  rejoin(name, sensors_[name], result);
   front_ = std::max(*front_, stamp);
-  result.verdicts.push_back({scan, ""});
+  result.verdicts.push_back({scan, std::nullopt});
 }
 
 /// A scan on the line decides about those that are held: it has caught up with them, or shows that time goes
-/// on where it was. A sensor that is on the line again has taken its own back.
-void StampWatch::settleHeld(const std::string& name, Time stamp, StampJudgement& result) {
+/// on where it was. Scans of a sensor that is on the line again are dropped without a notice.
+void StampWatch::resolveHeld(const std::string& name, Time stamp, StampJudgement& result) {
   for (const Held& held : held_) {
     Sensor& sensor = sensors_[held.sensor];
     const double ahead = seconds(held.stamp - stamp);
     if (ahead <= params_.max_lag) {
-      result.verdicts.push_back({held.scan, ""});
-      comeBack(held.sensor, sensor, result);
+      result.verdicts.push_back({held.scan, std::nullopt});
+      rejoin(held.sensor, sensor, result);
       front_ = std::max(*front_, held.stamp);
       continue;
     }
     result.verdicts.push_back(
-        {held.scan, "ahead: its stamp is " + secondsText(ahead) +
-                        " ahead of the others', which go on: synchronise the clock of " + held.sensor});
+        {held.scan,
+         refusalAhead("its stamp is " + secondsText(ahead) +
+                      " ahead of the others', which go on: synchronise the clock of " + held.sensor)});
     sensor.offset = ahead;
-    if (held.sensor != name) sayOff(held.sensor, sensor, Place::ahead, result);
+    if (held.sensor != name) reportOff(held.sensor, sensor, Place::ahead, result);
   }
   held_.clear();
 }
@@ -155,7 +160,8 @@ void StampWatch::takeAhead(std::uint64_t scan, const std::string& name, Time sta
     held_.push_back({scan, name, stamp});
     if (isMajority(Place::held, stamp, 0)) return goAhead(stamp, result);
     if (held_.size() <= params_.max_held) return;
-    result.verdicts.push_back({held_.front().scan, "ahead: too many scans are ahead of the other sensors'"});
+    result.verdicts.push_back(
+        {held_.front().scan, refusalAhead("too many scans are ahead of the other sensors'")});
     held_.erase(held_.begin());
     return;
   }
@@ -164,14 +170,14 @@ void StampWatch::takeAhead(std::uint64_t scan, const std::string& name, Time sta
     return goAhead(stamp, result);
   }
   result.verdicts.push_back(
-      {scan, "ahead: its stamp is " + secondsText(sensor.offset) +
-                 " ahead of the other sensors', which go on: synchronise the clock of " + name});
+      {scan, refusalAhead("its stamp is " + secondsText(sensor.offset) +
+                          " ahead of the other sensors', which go on: synchronise the clock of " + name)});
 }
 
 /// Most are there: the line goes on from where they are.
 void StampWatch::goAhead(Time stamp, StampJudgement& result) {
   for (auto& [name, sensor] : sensors_) {
-    if (agrees(sensor, Place::held, stamp)) comeBack(name, sensor, result);
+    if (agrees(sensor, Place::held, stamp)) rejoin(name, sensor, result);
   }
   std::vector<Held> others;
   for (const Held& held : held_) {
@@ -179,7 +185,7 @@ void StampWatch::goAhead(Time stamp, StampJudgement& result) {
       others.push_back(held);
       continue;
     }
-    result.verdicts.push_back({held.scan, ""});
+    result.verdicts.push_back({held.scan, std::nullopt});
     front_ = std::max(*front_, held.stamp);
   }
   held_ = std::move(others);
@@ -189,14 +195,14 @@ void StampWatch::goAhead(Time stamp, StampJudgement& result) {
 void StampWatch::takeBehind(std::uint64_t scan, const std::string& name, Time stamp, StampJudgement& result) {
   Sensor& sensor = sensors_[name];
   if (sensor.behind > 0 && isMajority(Place::back, stamp, params_.scans_back)) {
-    goBack(name, stamp, result);
+    restartLine(name, stamp, result);
   } else if (sensor.behind >= params_.scans_back && *front_ > sensor.front_then) {
-    sayOff(name, sensor, Place::back, result);
+    reportOff(name, sensor, Place::back, result);
   }
-  result.verdicts.push_back({scan, ""});
+  result.verdicts.push_back({scan, std::nullopt});
 }
 
-void StampWatch::goBack(const std::string& name, Time stamp, StampJudgement& result) {
+void StampWatch::restartLine(const std::string& name, Time stamp, StampJudgement& result) {
   const double by = seconds(*front_ - stamp);
   result.went_back = by;
   result.notices.push_back("stamps went back by " + secondsText(by) +
@@ -204,35 +210,35 @@ void StampWatch::goBack(const std::string& name, Time stamp, StampJudgement& res
                            ": a recording in a loop, simulated time that was reset, or a clock that was set; "
                            "tracks are given up, tracking goes on from there");
   for (const Held& held : held_)
-    result.verdicts.push_back({held.scan, "ahead: time went back while it was held"});
+    result.verdicts.push_back({held.scan, refusalAhead("time went back while it was held")});
   held_.clear();
   for (auto& [other, sensor] : sensors_) {
     if (agrees(sensor, Place::back, stamp)) {
-      sensor.is_said = false;
-      comeBack(other, sensor, result);
+      sensor.is_reported = false;
+      rejoin(other, sensor, result);
     } else if (isAlive(sensor) && seconds(sensor.newest - stamp) > params_.max_lag) {
       sensor.offset = seconds(sensor.newest - stamp);
-      sayOff(other, sensor, Place::ahead, result);
+      reportOff(other, sensor, Place::ahead, result);
     }
   }
   front_ = stamp;
 }
 
-void StampWatch::comeBack(const std::string& name, Sensor& sensor, StampJudgement& result) {
-  if (sensor.is_said) result.notices.push_back("stamps of " + name + " agree with the others' again");
+void StampWatch::rejoin(const std::string& name, Sensor& sensor, StampJudgement& result) {
+  if (sensor.is_reported) result.notices.push_back("stamps of " + name + " agree with the others' again");
   sensor.place = Place::on_line;
   sensor.behind = 0;
-  sensor.is_said = false;
+  sensor.is_reported = false;
 }
 
-void StampWatch::sayOff(const std::string& name, Sensor& sensor, Place place, StampJudgement& result) {
+void StampWatch::reportOff(const std::string& name, Sensor& sensor, Place place, StampJudgement& result) {
   sensor.place = place;
-  if (sensor.is_said) return;
-  sensor.is_said = true;
-  result.notices.push_back("stamps of " + name + " are " + wordsOf(sensor));
+  if (sensor.is_reported) return;
+  sensor.is_reported = true;
+  result.notices.push_back("stamps of " + name + " are " + offsetText(sensor));
 }
 
-std::string StampWatch::wordsOf(const Sensor& sensor) const {
+std::string StampWatch::offsetText(const Sensor& sensor) const {
   const bool is_ahead = sensor.place == Place::ahead;
   return secondsText(std::abs(sensor.offset)) + (is_ahead ? " ahead of" : " behind") +
          " the others', which go on: its scans are not used until they agree again; synchronise its clock, "
@@ -244,7 +250,8 @@ std::string StampWatch::wordsOf(const Sensor& sensor) const {
 std::vector<WatchedStamps> StampWatch::sensors() const {
   std::vector<WatchedStamps> all;
   all.reserve(sensors_.size());
-  for (const auto& [name, sensor] : sensors_) all.push_back({name, sensor.is_said ? wordsOf(sensor) : ""});
+  for (const auto& [name, sensor] : sensors_)
+    all.push_back({name, sensor.is_reported ? offsetText(sensor) : ""});
   return all;
 }
 

@@ -8,15 +8,15 @@
 namespace sightline::core {
 namespace {
 
-constexpr std::size_t kMostSensors = 64;  // that are watched
-constexpr std::size_t kMostStray = 32;    // stray sightings in a scan beyond which they tell nothing
-constexpr int kClutterMemory = 50;        // scans over which the number of stray sightings is smoothed
-constexpr double kMostFalse = 0.001;      // false sightings expected nearer than a stray one that counts
-constexpr double kVague = 16.0;           // variance of a prediction over that of the sightings it judges
-constexpr double kClockInterval = 1.0;    // between comparisons of the clocks [s]
-constexpr double kGhostReach = 6.0;       // of a biased sighting from where the bias puts it [sigma]
-constexpr double kGhostShare = 0.2;       // of the bias, by which it may be farther
-constexpr int kOthersThatDecide = 2;      // with one other sensor, either may be to blame
+constexpr std::size_t kMostSensors = 64;       // that are watched
+constexpr std::size_t kMostUnassociated = 32;  // in a scan, beyond which they show nothing
+constexpr int kClutterMemory = 50;    // scans over which the number of unassociated sightings is smoothed
+constexpr double kMostFalse = 0.001;  // false sightings expected nearer than an unassociated one that counts
+constexpr double kVague = 16.0;  // variance of a prediction over that of the sightings it is compared with
+constexpr double kClockInterval = 1.0;  // between comparisons of the clocks [s]
+constexpr double kBiasReach = 6.0;      // of a biased sighting from where the bias puts it [sigma]
+constexpr double kBiasShare = 0.2;      // of the bias, by which it may be farther
+constexpr int kOthersThatDecide = 2;    // with one other sensor, either may be to blame
 
 Innovation innovationOf(const TrackPrediction& prediction, const Sighting& sighting) {
   Innovation innovation;
@@ -27,8 +27,8 @@ Innovation innovationOf(const TrackPrediction& prediction, const Sighting& sight
   return innovation;
 }
 
-/// Whether the track knows much less of the target than the sensor states: it is no yardstick. False tracks
-/// are like that.
+/// Whether the track knows much less of the target than the sensor states: it cannot corroborate. False
+/// tracks are like that.
 bool isVague(const Innovation& innovation) {
   return (innovation.predicted > kVague * innovation.stated).any();
 }
@@ -37,29 +37,29 @@ double distanceSquared(const Innovation& innovation) {
   return (innovation.nu.square() / (innovation.predicted + innovation.stated)).sum();
 }
 
-/// Sightings that no believed track has taken.
-std::vector<std::size_t> strayOf(const Scan& scan, const std::vector<TrackPrediction>& predictions,
-                                 const AssociationResult& pairing) {
-  std::vector<std::size_t> stray;
+/// Sightings that no established track is associated with.
+std::vector<std::size_t> unassociatedOf(const Scan& scan, const std::vector<TrackPrediction>& predictions,
+                                        const AssociationResult& result) {
+  std::vector<std::size_t> unassociated;
   for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
-    const int taker = pairing.prediction_of[j];
-    if (taker < 0 || !predictions[static_cast<std::size_t>(taker)].believed) stray.push_back(j);
+    const int owner = result.prediction_of[j];
+    if (owner < 0 || !predictions[static_cast<std::size_t>(owner)].believed) unassociated.push_back(j);
   }
-  return stray;
+  return unassociated;
 }
 
-/// The nearest stray sighting in reach of a track, and how many there are.
+/// The nearest unassociated sighting in reach of a track, and how many there are.
 struct Nearby {
   int count = 0;
   double distance_squared = 0.0;
   std::optional<Innovation> nearest;
 };
 
-Nearby nearbyOf(const Scan& scan, const std::vector<std::size_t>& stray, const TrackPrediction& prediction,
-                double reach) {
+Nearby nearbyOf(const Scan& scan, const std::vector<std::size_t>& unassociated,
+                const TrackPrediction& prediction, double reach) {
   Nearby nearby;
   nearby.distance_squared = reach * reach;
-  for (const std::size_t j : stray) {
+  for (const std::size_t j : unassociated) {
     Innovation innovation = innovationOf(prediction, scan.sightings[j]);
     const double distance = distanceSquared(innovation);
     if (distance > reach * reach) continue;
@@ -110,14 +110,14 @@ SensorGuard::Watch* SensorGuard::findOrStart(const std::string& sensor, Time tim
   return &*watches_.emplace(watches_.begin() + static_cast<std::ptrdiff_t>(place), sensor, params_, time);
 }
 
-double SensorGuard::noiseScale(const std::string& sensor) const {
+SensorUse SensorGuard::useOf(const std::string& sensor) const {
   const Watch* watch = find(sensor);
-  return watch == nullptr || watch->undecided ? 1.0 : watch->health.noiseScale();
+  return watch == nullptr || watch->undecided ? SensorUse{} : watch->health.use();
 }
 
 bool SensorGuard::holdsAnything() const {
   return std::any_of(watches_.begin(), watches_.end(),
-                     [](const Watch& watch) { return !watch.undecided && watch.health.noiseScale() != 1.0; });
+                     [](const Watch& watch) { return !watch.undecided && !watch.health.use().isAsStated(); });
 }
 
 double SensorGuard::clockVariance(const std::string& sensor) const {
@@ -154,28 +154,28 @@ bool SensorGuard::isExplainedByBias(const SensorHealth& health, const Innovation
   const PerChannel u = innovation.nu / (innovation.predicted + innovation.stated).sqrt();
   const PerChannel bias = health.biasSinceChange();
   // (S-54)
-  const double reach = kGhostReach + kGhostShare * std::sqrt(bias.square().sum());
+  const double reach = kBiasReach + kBiasShare * std::sqrt(bias.square().sum());
   return (u - bias).square().sum() <= reach * reach;
 }
 
 /// A sighting outside every gate may be the target's all the same: when the track has none of this scan, the
-/// nearest stray one speaks for its sensor, as far as the sensor's false sightings are too few to explain it
-/// and the sensor has seen the target just before, or is known to be biased by as much.
+/// nearest unassociated one counts for its sensor, as far as the sensor's false sightings are too few to
+/// explain it and the sensor has seen the target just before, or is known to be biased by as much.
 void SensorGuard::watch(const Scan& scan, const std::vector<TrackPrediction>& predictions,
-                        const AssociationResult& pairing, const std::vector<Corroboration>& corroboration) {
+                        const AssociationResult& result, const std::vector<Corroboration>& corroboration) {
   Watch* watch = nullptr;
-  std::vector<std::size_t> stray;
+  std::vector<std::size_t> unassociated;
   int most_others = 0;
   for (std::size_t i = 0; i < predictions.size(); ++i) {
     if (!predictions[i].believed || corroboration[i].others < 1) continue;
     if (watch == nullptr) {
       watch = findOrStart(scan.sensor, scan.time);
       if (watch == nullptr) return;
-      stray = strayOf(scan, predictions, pairing);
-      if (stray.size() > kMostStray) stray.clear();
+      unassociated = unassociatedOf(scan, predictions, result);
+      if (unassociated.size() > kMostUnassociated) unassociated.clear();
     }
-    const Nearby nearby = nearbyOf(scan, stray, predictions[i], params_.reach);
-    const int own = pairing.sighting_of[i];
+    const Nearby nearby = nearbyOf(scan, unassociated, predictions[i], params_.reach);
+    const int own = result.sighting_of[i];
     if (own >= 0) {
       watch->scans = std::min(watch->scans + 1, kClutterMemory);
       watch->clutter += (nearby.count - watch->clutter) / watch->scans;
@@ -200,7 +200,7 @@ void SensorGuard::watch(const Scan& scan, const std::vector<TrackPrediction>& pr
     most_others = std::max(most_others, corroboration[i].others);
   }
   if (most_others == 0) return;
-  watch->last_told = scan.time;
+  watch->last_compared = scan.time;
   compareClocks(scan.time);
   watch->decides = most_others >= kOthersThatDecide;
   if (watch->decides && watch->undecided) {
@@ -214,13 +214,13 @@ std::optional<SensorChange> SensorGuard::judge(Time time, const std::string& sen
   Watch& watch = watches_[placeOf(sensor)];
   const bool was_healthy = watch.health.verdict() == SensorVerdict::healthy;
   auto change = watch.health.judge(time);
-  const bool is_idle = seconds(time - watch.last_told) > params_.support;
+  const bool is_idle = seconds(time - watch.last_compared) > params_.support;
   if (!change && !was_healthy && is_idle) change = watch.health.release(time);
   if (!change) return std::nullopt;
   if (was_healthy) watch.undecided = !watch.decides;
-  const SensorChange said{sensor, *change, watch.undecided};
+  const SensorChange made{sensor, *change, watch.undecided};
   if (change->verdict == SensorVerdict::healthy) watch.undecided = false;
-  return said;
+  return made;
 }
 
 void SensorGuard::clearVerdict(Time time, const std::string& sensor) {
@@ -250,8 +250,9 @@ void SensorGuard::adopt(const SensorGuard& later, Time since) {
 std::vector<WatchedSensor> SensorGuard::sensors() const {
   std::vector<WatchedSensor> sensors;
   for (const Watch& watch : watches_) {
-    sensors.push_back({watch.sensor, watch.health.verdict(), watch.undecided, noiseScale(watch.sensor),
-                       watch.wrong_clock, watch.clock_undecided, watch.health.lastChange()});
+    const SensorUse use = useOf(watch.sensor);
+    sensors.push_back({watch.sensor, watch.health.verdict(), watch.undecided, use.noise_scale,
+                       use.is_excluded, watch.wrong_clock, watch.clock_undecided, watch.health.lastChange()});
   }
   return sensors;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -224,16 +223,11 @@ PerChannel SensorHealth::biasSinceChange() const {
   return since_change_.u / since_change_.sightings;
 }
 
-double SensorHealth::noiseScale() const {
-  switch (verdict_) {
-    case SensorVerdict::healthy:
-      return 1.0;
-    case SensorVerdict::noisy:
-      return std::max(1.0, scale_);
-    case SensorVerdict::biased:
-      return std::numeric_limits<double>::infinity();
-  }
-  return 1.0;
+SensorUse SensorHealth::use() const {
+  SensorUse use;
+  if (verdict_ == SensorVerdict::noisy) use.noise_scale = std::max(1.0, scale_);
+  use.is_excluded = verdict_ == SensorVerdict::biased;
+  return use;
 }
 
 }  // namespace sightline::core

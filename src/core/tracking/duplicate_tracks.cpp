@@ -33,13 +33,13 @@ bool areFarApart(const TrackPrediction& a, const TrackPrediction& b) {
 }  // namespace
 
 std::vector<std::uint32_t> DuplicateTracks::watch(const std::vector<TrackPrediction>& predictions,
-                                                  const AssociationResult& pairing, int scans) {
+                                                  const AssociationResult& result, int scans) {
   std::vector<Pair> together;
   for (std::size_t i = 0; i < predictions.size(); ++i) {
     if (!predictions[i].believed) continue;
     for (std::size_t k = i + 1; k < predictions.size(); ++k) {
       if (!predictions[k].believed || areFarApart(predictions[i], predictions[k])) continue;
-      const bool is_seen = pairing.sighting_of[i] >= 0, is_other_seen = pairing.sighting_of[k] >= 0;
+      const bool is_seen = result.sighting_of[i] >= 0, is_other_seen = result.sighting_of[k] >= 0;
       if ((is_seen && is_other_seen) || together.size() >= kMostPairs) continue;
       if (distanceSquared(predictions[i], predictions[k]) > kSameMotion) continue;
       Pair pair{std::min(predictions[i].id, predictions[k].id),

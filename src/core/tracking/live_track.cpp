@@ -1,9 +1,9 @@
 #include "sightline/core/tracking/live_track.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -12,24 +12,13 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kPaces = 4.0;               // usual intervals that a silence may always last
-constexpr double kIntervalMemory = 0.2;      // share of the newest interval in the usual one
 constexpr double kInnovationMemory = 0.1;    // share of the newest innovation in the running mean
 constexpr double kLargestInnovation = 25.0;  // d^2 / 2 that one sighting may count for at most
-constexpr double kSourceMemory = 0.3;        // the same for the innovations of one sensor
-constexpr std::size_t kMostSources = 64;
-constexpr double kInformationMemory = 1.0;  // over which a sensor's share in a track is weighed [s]
-constexpr double kNoiseMargin = 1.5;        // by which the noise found may be too small by chance
-constexpr double kLookMemory = 50.0;        // scans over which a track's own share of sightings is taken ...
-constexpr double kTrustInSensor = 10.0;     // ... against so many of the sensor's
-constexpr double kHopeless = 0.01;          // share of its odds at the start that ends a tentative track
-constexpr double kFirstVisibility = 0.5;    // that a sensor could see the target, before it has or has not
-constexpr double kLeastVisibility = 0.01;   // after all: it may have been hidden
-constexpr double kCertain = 0.95;           // probability from which a sighting is taken for the target's
-constexpr double kReturns = 0.5;            // of targets that are lost, those that return
-constexpr double kJumps = 0.05;             // of these, those that have jumped ...
-constexpr double kJumpStretch = 25.0;       // ... so much farther
-constexpr double kSeenAgain = 0.9;          // existence from which a lost track is shown again
+constexpr double kNoiseMargin = 1.5;         // by which the noise found may be too small by chance
+constexpr double kCertain = 0.95;            // probability from which a sighting is taken for the target's
+constexpr double kReturns = 0.5;             // of targets that are lost, those that return
+constexpr double kJumps = 0.05;              // of these, those that have jumped ...
+constexpr double kJumpStretch = 25.0;        // ... so much farther
 
 bool isUsable(const AngularState& state) {
   return state.mean.allFinite() && state.covariance.allFinite() &&
@@ -59,57 +48,11 @@ void joinTogether(const std::vector<PossibleSighting>& possible, const TrackPred
 LiveTrack::LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sighting,
                      std::unique_ptr<Estimator> estimator, double odds)
     : id_(id),
-      existence_(odds),
-      chart_(Chart::around(sighting.direction)),
-      estimator_(std::move(estimator)),
-      last_covariance_(chart_.covarianceOf(sighting)),
-      last_noise_scale_(scan.noise_scale),
-      last_sighting_(scan.time),
-      weighed_(scan.time) {
-  const Measurement measurement = measurementOf(scan, sighting);
-  estimator_->update(measurement);
-  noteSource(scan, Eigen::Vector2d::Zero(), measurement.covariance);
-}
-
-LiveTrack::LiveTrack(const LiveTrack& other)
-    : id_(other.id_),
-      status_(other.status_),
-      lost_(other.lost_),
-      existence_(other.existence_),
-      chart_(other.chart_),
-      estimator_(other.estimator_->clone()),
-      known_at_(other.known_at_),
-      known_(other.known_),
-      last_covariance_(other.last_covariance_),
-      last_noise_scale_(other.last_noise_scale_),
-      last_sighting_(other.last_sighting_),
-      weighed_(other.weighed_),
-      interval_(other.interval_),
-      innovation_scale_(other.innovation_scale_),
-      hits_(other.hits_),
-      misses_(other.misses_),
-      scans_(other.scans_),
-      looked_(other.looked_),
-      seen_(other.seen_),
-      sources_(other.sources_),
-      non_detecting_(other.non_detecting_) {}
-
-Measurement LiveTrack::measurementOf(const Scan& scan, const Sighting& sighting) const {
-  Measurement measurement;
-  measurement.time = scan.time;
-  measurement.position = chart_.coordinatesOf(sighting.direction);
-  measurement.covariance = chart_.covarianceOf(sighting);
-  measurement.ifov = scan.ifov;
-  return measurement;
-}
-
-/// The estimator is asked for one instant several times in a scan, and it may be a whole bank of filters.
-const AngularState& LiveTrack::stateAt(Time time) const {
-  if (!known_at_ || *known_at_ != time) {
-    known_ = *estimator_->stateAt(time);  // determined since the first sighting
-    known_at_ = time;
-  }
-  return known_;
+      estimator_(std::move(estimator), scan, sighting),
+      lifecycle_(scan.time, odds),
+      last_covariance_(estimator_.chart().covarianceOf(sighting)),
+      last_noise_scale_(scan.noise_scale) {
+  noteSource(scan, Eigen::Vector2d::Zero());
 }
 
 double LiveTrack::gateScale(bool adapt_gate) const {
@@ -117,60 +60,37 @@ double LiveTrack::gateScale(bool adapt_gate) const {
 }
 
 TrackPrediction LiveTrack::predict(const Scan& scan, double detection_probability,
-                                   const LifecycleParams& lifecycle, bool adapt_gate) {
-  const Time time = scan.time;
+                                   const LifecycleParams& params, bool adapt_gate) {
+  if (const auto J = estimator_.follow(scan.time)) {
+    last_covariance_ = symmetric(*J * last_covariance_ * J->transpose());
+    sensors_.rotate(*J);
+  }
   TrackPrediction prediction;
   prediction.id = id_;
-  prediction.believed = isEstablished();
-  prediction.guards = isEstablished() && status_ == TrackStatus::confirmed;
-  prediction.state = stateAt(time);
-  if (!chart_.holds(prediction.state.angles())) {
-    const Chart next = chart_.following(chart_.directionAt(prediction.state.angles()));
-    const Eigen::Matrix3d R_new_old = next.R_chart_tracking() * chart_.R_chart_tracking().transpose();
-    const Eigen::Matrix2d J = rotationJacobian(prediction.state.angles(), R_new_old);
-    last_covariance_ = symmetric(J * last_covariance_ * J.transpose());
-    for (Source& source : sources_) source.innovation = J * source.innovation;
-    estimator_->rotate(R_new_old);
-    chart_ = next;
-    known_at_ = std::nullopt;
-    prediction.state = stateAt(time);
-  }
-  prediction.chart = chart_;
-  prediction.noise_scale = estimator_->noiseScale();
+  prediction.believed = lifecycle_.isEstablished();
+  prediction.guards = lifecycle_.isEstablished() && lifecycle_.status() == TrackStatus::confirmed;
+  prediction.chart = estimator_.chart();
+  prediction.state = estimator_.stateInChart(scan.time);
+  prediction.noise_scale = estimator_.noiseScale();
   prediction.innovation_scale = gateScale(adapt_gate);
-  prediction.direction = chart_.directionAt(prediction.state.angles());
-  prediction.existence = existence_.probability();
-  prediction.detection_probability =
-      (seen_ + kTrustInSensor * detection_probability) / (looked_ + kTrustInSensor);
-  const bool has_been_seen = hasBeenSeenBy(scan, lifecycle);
+  prediction.direction = prediction.chart.directionAt(prediction.state.angles());
+  prediction.existence = lifecycle_.existence();
+  prediction.detection_probability = lifecycle_.detectionProbability(detection_probability);
+  const bool has_been_seen =
+      sensors_.hasSeen(scan.sensor, scan.time, lifecycle_.limit(params.delete_silence));
   const bool looks_there = !scan.view || scan.view->holds(prediction.direction);
   prediction.is_in_view = has_been_seen && looks_there;
-  prediction.visibility = !looks_there ? 0.0 : has_been_seen ? 1.0 : visibilityFor(scan);
+  prediction.visibility = !looks_there ? 0.0 : has_been_seen ? 1.0 : sensors_.visibility(scan.sensor);
   return prediction;
 }
 
-double LiveTrack::visibilityFor(const Scan& scan) const {
-  for (const NonDetectingSensor& stranger : non_detecting_) {
-    if (stranger.sensor == scan.sensor) return stranger.visibility;
-  }
-  return kFirstVisibility;
-}
-
-void LiveTrack::noteNonDetection(const Scan& scan, double visibility) {
-  for (NonDetectingSensor& stranger : non_detecting_) {
-    if (stranger.sensor != scan.sensor) continue;
-    stranger.visibility = std::max(visibility, kLeastVisibility);
-    return;
-  }
-  if (non_detecting_.size() < kMostSources) non_detecting_.push_back({scan.sensor, visibility});
-}
-
-void LiveTrack::take(const Scan& scan, const Sighting& sighting, const TrackPrediction& prediction,
-                     const std::vector<PossibleSighting>& possible, double evidence,
-                     const LifecycleParams& lifecycle) {
-  Measurement measurement = measurementOf(scan, sighting);
+void LiveTrack::update(const Scan& scan, const Sighting& sighting, const TrackPrediction& prediction,
+                       const std::vector<PossibleSighting>& possible, double likelihood_ratio,
+                       const LifecycleParams& params) {
+  Measurement measurement = estimator_.measurementOf(scan, sighting);
   measurement.covariance += prediction.stamp_covariance;
   last_covariance_ = measurement.covariance;
+  last_noise_scale_ = scan.noise_scale;
   if (!possible.empty()) joinTogether(possible, prediction, measurement);
   Gate stated;
   stated.covariance = prediction.state.anglesCovariance() + prediction.noiseOf(sighting);
@@ -178,66 +98,32 @@ void LiveTrack::take(const Scan& scan, const Sighting& sighting, const TrackPred
   const double seen = std::min(distanceSquared(stated, innovation) / 2.0, kLargestInnovation);
   if (measurement.is_certain) innovation_scale_ += kInnovationMemory * (seen - innovation_scale_);
 
-  const double since_last = seconds(scan.time - last_sighting_);
-  weigh(scan.time, evidence, lifecycle);
-  if (prediction.is_in_view) noteLook(true);
-  if (prediction.visibility < 1.0) noteNonDetection(scan, kFirstVisibility);
-  interval_ = hits_ == 1 ? since_last : interval_ + kIntervalMemory * (since_last - interval_);
-
-  estimator_->update(measurement);
-  known_at_ = std::nullopt;
-  last_noise_scale_ = scan.noise_scale;
-  last_sighting_ = scan.time;
-  misses_ = 0;
-  ++hits_;
-  ++scans_;
-  noteSource(scan, innovation, last_covariance_);
-  if (status_ != TrackStatus::tentative || isConfirmedBy(lifecycle)) status_ = TrackStatus::confirmed;
-  if (lost_ && (!lifecycle.by_existence || existence_.probability() >= kSeenAgain)) lost_ = false;
+  estimator_.update(measurement);
+  lifecycle_.noteSighting(scan.time, likelihood_ratio, prediction.is_in_view, params);
+  if (prediction.visibility < 1.0) sensors_.noteVisible(scan.sensor);
+  noteSource(scan, innovation);
 }
 
-void LiveTrack::miss(const Scan& scan, const TrackPrediction& prediction, double evidence,
-                     const LifecycleParams& lifecycle) {
+void LiveTrack::miss(const Scan& scan, const TrackPrediction& prediction, double likelihood_ratio,
+                     const LifecycleParams& params) {
   if (prediction.visibility <= 0.0) return;
-  weigh(scan.time, evidence, lifecycle);
-  if (prediction.is_in_view) {
-    ++misses_;
-    ++scans_;
-    noteLook(false);
-  } else {  // the sensor did not see it, or cannot
-    const double missed = 1.0 - prediction.detection_probability;
-    const double visibility = prediction.visibility;
-    noteNonDetection(scan, visibility * missed / (1.0 - visibility + visibility * missed));
-  }
+  lifecycle_.noteMiss(scan.time, likelihood_ratio, prediction.is_in_view, params);
+  if (!prediction.is_in_view)
+    sensors_.noteMiss(scan.sensor, prediction.visibility, prediction.detection_probability);
 }
 
-void LiveTrack::weigh(Time time, double evidence, const LifecycleParams& lifecycle) {
-  existence_.pass(seconds(time - weighed_), lifecycle.presence);
-  existence_.weigh(evidence);
-  weighed_ = time;
-}
-
-bool LiveTrack::isConfirmedBy(const LifecycleParams& lifecycle) const {
-  return static_cast<int>(hits_) >= lifecycle.confirm_hits &&
-         (!lifecycle.by_existence || existence_.probability() >= lifecycle.confirm_existence);
-}
-
-bool LiveTrack::hasBeenSeenBy(const Scan& scan, const LifecycleParams& lifecycle) const {
-  return std::any_of(sources_.begin(), sources_.end(), [&](const Source& source) {
-    return source.sensor == scan.sensor &&
-           seconds(scan.time - source.last_sighting) <= limit(lifecycle.delete_silence);
-  });
-}
-
-void LiveTrack::noteLook(bool is_seen) {
-  constexpr double keep = 1.0 - 1.0 / kLookMemory;
-  looked_ = keep * looked_ + 1.0;
-  seen_ = keep * seen_ + (is_seen ? 1.0 : 0.0);
+/// Sightings that are calmer than stated have a slowly varying error in the stated accuracy beside their
+/// noise. `innovation`: of the last sighting, in the chart [rad].
+void LiveTrack::noteSource(const Scan& scan, const Eigen::Vector2d& innovation) {
+  const Eigen::Vector2d noise = scan.noise_scale * estimator_.noiseScale();
+  const Eigen::Vector2d share = (Eigen::Vector2d::Ones() - kNoiseMargin * noise).cwiseMax(0.0);
+  const Eigen::Vector2d slow_error = share.cwiseProduct(last_covariance_.diagonal()) / scan.noise_scale;
+  sensors_.noteSighting(scan.sensor, scan.time, innovation, last_covariance_, slow_error);
 }
 
 double LiveTrack::logDensityOfReturn(const LiveTrack& fresh, Time time) const {
-  const AngularState mine = stateAt(time);
-  const AngularState its = chart_.fromTracking(fresh.chart_.toTracking(fresh.stateAt(time)));
+  const AngularState mine = estimator_.stateInChart(time);
+  const AngularState its = estimator_.chart().fromTracking(fresh.estimator_.stateAt(time));
   Eigen::Vector4d difference = its.mean - mine.mean;
   difference.head<2>() = angleDifference(its.angles(), mine.angles());
   const Eigen::LLT<Eigen::Matrix4d> both(mine.covariance + its.covariance);
@@ -256,123 +142,58 @@ double LiveTrack::logDensityOfReturn(const LiveTrack& fresh, Time time) const {
 
 void LiveTrack::resume(const LiveTrack& lost) {
   id_ = lost.id_;
-  hits_ += lost.hits_;
+  lifecycle_.resume(lost.lifecycle_);
 }
 
 Corroboration LiveTrack::corroborationOf(const std::string& sensor, Time time,
                                          const SensorGuard& guard) const {
-  Corroboration corroboration;
-  std::array<std::array<double, kMostSources>, 2> innovations;
-  for (const Source& source : sources_) {
-    if (source.sensor == sensor) {
-      corroboration.has_sensor = guard.sees(seconds(time - source.last_sighting));
-    } else if (isMature() && guard.mayCorroborate(source.sensor, seconds(time - source.last_sighting))) {
-      for (int channel = 0; channel < 2; ++channel)
-        innovations[channel][corroboration.others] = source.innovation(channel);
-      ++corroboration.others;
-    }
-  }
-  for (int channel = 0; channel < 2; ++channel)
-    corroboration.shared(channel) = signedMedian(innovations[channel].data(), corroboration.others);
-  return corroboration;
+  return sensors_.corroborationOf(sensor, time, guard, lifecycle_.isMature());
 }
 
-/// `R`: covariance of the scan's sighting in the chart, by what is known of its sensor [rad^2].
-void LiveTrack::noteSource(const Scan& scan, const Eigen::Vector2d& innovation, const Eigen::Matrix2d& R) {
-  auto source = std::find_if(sources_.begin(), sources_.end(),
-                             [&](const Source& known) { return known.sensor == scan.sensor; });
-  if (source == sources_.end()) {
-    if (sources_.size() >= kMostSources) return;
-    source =
-        sources_.insert(source, Source{scan.sensor, scan.time, innovation, 0.0, Eigen::Vector2d::Zero()});
-  }
-  source->innovation += kSourceMemory * (innovation - source->innovation);
-  source->information *= std::exp(-seconds(scan.time - source->last_sighting) / kInformationMemory);
-  source->information += 1.0 / R.trace();
-  source->last_sighting = scan.time;
-
-  // Sightings that are calmer than stated have a slowly varying error in the stated accuracy beside their
-  // noise.
-  const Eigen::Vector2d noise = scan.noise_scale * estimator_->noiseScale();
-  const Eigen::Vector2d share = (Eigen::Vector2d::Ones() - kNoiseMargin * noise).cwiseMax(0.0);
-  source->bias = share.cwiseProduct(R.diagonal()) / scan.noise_scale;
+/// Covariance of the last sighting's noise, by what the estimator has found, in the chart [rad^2].
+Eigen::Matrix2d LiveTrack::lastNoise() const {
+  return noiseCovariance(last_covariance_, estimator_.noiseScale());
 }
 
-/// Variance of the slowly varying error of the position, in the chart [rad^2]: each sensor's by its share in
-/// the information of the last seconds.
-Eigen::Vector2d LiveTrack::biasVariance(Time time) const {
-  double sum = 0.0;
-  Eigen::Vector2d variance = Eigen::Vector2d::Zero();
-  for (const Source& source : sources_) {
-    const double information =
-        source.information * std::exp(-seconds(time - source.last_sighting) / kInformationMemory);
-    sum += information;
-    variance += information * information * source.bias;
-  }
-  return sum > 0.0 ? Eigen::Vector2d(variance / (sum * sum)) : variance;
-}
-
-double LiveTrack::limit(double silence) const {
-  return std::max(silence, kPaces * interval_);
-}
-
-bool LiveTrack::isDeadTentative(const LifecycleParams& lifecycle) const {
-  if (lifecycle.by_existence) return existence_.gain() < kHopeless;
-  return scans_ - static_cast<int>(hits_) > lifecycle.confirm_scans - lifecycle.confirm_hits;
-}
-
-bool LiveTrack::isDead(Time time, const LifecycleParams& lifecycle, bool adapt_gate) {
-  const double silence = seconds(time - last_sighting_);
-  const auto misses = static_cast<int>(misses_);
-  const bool is_given_up = silence > limit(lifecycle.delete_silence) ||
-                           (!lifecycle.by_existence && misses >= lifecycle.delete_misses);
-  if (status_ == TrackStatus::tentative && (is_given_up || isDeadTentative(lifecycle))) return true;
-  const AngularState& state = stateAt(time);
-  if (!isUsable(state)) return true;
-  if (status_ == TrackStatus::tentative) return false;
-
-  const Eigen::Matrix2d R = noiseCovariance(last_covariance_, estimator_->noiseScale());
+/// How many times as wide as the sightings' own sigma makes it the gate is.
+double LiveTrack::spread(const AngularState& state, bool adapt_gate) const {
+  const Eigen::Matrix2d R = lastNoise();
   const Eigen::Matrix2d S = gateScale(adapt_gate) * (state.anglesCovariance() + R);
   const Eigen::Vector2d stated = (last_covariance_ / last_noise_scale_).diagonal();
-  const Eigen::Vector2d spread = S.diagonal().cwiseQuotient(R.diagonal().cwiseMax(stated)).cwiseSqrt();
-  if (spread.maxCoeff() > lifecycle.max_spread) return true;
-  const bool coasts = silence > limit(lifecycle.coast_silence) || misses >= lifecycle.coast_misses;
-  status_ = coasts ? TrackStatus::coasting : TrackStatus::confirmed;
+  return S.diagonal().cwiseQuotient(R.diagonal().cwiseMax(stated)).cwiseSqrt().maxCoeff();
+}
 
-  const double existence = lifecycle.by_existence ? existence_.probability() : 1.0;
-  if (is_given_up || existence < lifecycle.show_existence) lost_ = true;
-  return lost_ && silence > limit(lifecycle.remember);
+bool LiveTrack::isOver(Time time, const LifecycleParams& params, bool adapt_gate) const {
+  if (lifecycle_.isOver(time, params)) return true;
+  const AngularState& state = estimator_.stateInChart(time);
+  if (!isUsable(state)) return true;
+  return !lifecycle_.isTentative() && spread(state, adapt_gate) > params.max_spread;
 }
 
 Track LiveTrack::report(Time time, const GateParams& gate, bool adapt_gate,
-                        const LifecycleParams& lifecycle) const {
+                        const LifecycleParams& params) const {
   Track track;
   track.id = id_;
-  track.status = status_;
-  AngularState state = stateAt(time);
-  state.covariance.diagonal().head<2>() += biasVariance(time);
-  track.state = chart_.toTracking(state);
-  track.last_sighting = last_sighting_;
-  track.hits = hits_;
-  track.misses = misses_;
-  track.existence = existence_.probability();
+  track.status = lifecycle_.status();
+  track.last_sighting = lifecycle_.lastSighting();
+  track.hits = lifecycle_.hits();
+  track.misses = lifecycle_.misses();
+  track.existence = lifecycle_.existence();
+  track.sources = sensors_.names(time, lifecycle_.limit(params.delete_silence));
+
+  AngularState state = estimator_.stateInChart(time);
+  state.covariance.diagonal().head<2>() += sensors_.slowErrorVariance(time);
+  track.state = estimator_.chart().toTracking(state);
 
   // The next sighting is expected one usual interval later.
-  AngularState next = *estimator_->stateAt(time + durationOf(interval_));
-  const Eigen::Matrix2d R = noiseCovariance(last_covariance_, estimator_->noiseScale());
-  const Gate in_chart = gateOf(next, R, gate, gateScale(adapt_gate));
+  AngularState next = estimator_.stateInChart(time + durationOf(lifecycle_.interval()));
+  const Gate in_chart = gateOf(next, lastNoise(), gate, gateScale(adapt_gate));
   next.covariance.topLeftCorner<2, 2>() = in_chart.covariance;
-  const AngularState in_tracking = chart_.toTracking(next);
+  const AngularState in_tracking = estimator_.chart().toTracking(next);
   track.gate.centre = in_tracking.angles();
   track.gate.covariance = in_tracking.anglesCovariance();
   track.gate.half_width =
       (gateThreshold(gate) * track.gate.covariance.diagonal()).cwiseSqrt().cwiseMin(gate.max_half_width);
-
-  for (const Source& source : sources_) {
-    if (seconds(time - source.last_sighting) <= limit(lifecycle.delete_silence))
-      track.sources.push_back(source.sensor);
-  }
-  std::sort(track.sources.begin(), track.sources.end());
   return track;
 }
 

@@ -6,26 +6,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/core/tracking/usable_sightings.h"
+
 namespace sightline::core {
 namespace {
 
 /// Density of the rates of a new target, as far as is known: 0.3 rad/s in each angle [1/(rad/s)^2].
 constexpr double kBirthRateDensity = 1.0 / (2.0 * 3.14159265358979 * 0.3 * 0.3);
-constexpr std::size_t kMostChanges = 64;  // of sensors' verdicts that are remembered
-
-bool hasUsableNumbers(const Sighting& sighting) {
-  return sighting.direction.allFinite() && std::abs(sighting.direction.squaredNorm() - 1.0) < 1e-6 &&
-         sighting.covariance.allFinite() && sighting.covariance.trace() > 0.0;
-}
-
-bool isSame(const SensorChange& a, const SensorChange& b) {
-  return a.sensor == b.sensor && a.change.time == b.change.time && a.change.verdict == b.change.verdict;
-}
-
-/// The last of a list of changes.
-void keepTheLast(std::vector<SensorChange>& changes) {
-  if (changes.size() > kMostChanges) changes.erase(changes.begin());
-}
+constexpr std::size_t kMostScans = 4096;  // that can be processed again
+constexpr int kStatesPerLag = 8;          // that are kept for rolling back
 
 /// The scan with its noise taken for `noise_scale` times as large.
 Scan withNoise(const Scan& scan, double noise_scale) {
@@ -35,42 +24,21 @@ Scan withNoise(const Scan& scan, double noise_scale) {
   return scaled;
 }
 
-/// A scan's usable sightings, with their places in it and the verdict on the others.
-struct Sifted {
-  Scan scan;
-  std::vector<std::size_t> place;
-  std::vector<Association> verdicts;
-};
-
-Sifted sift(const Scan& scan, std::size_t most) {
-  Sifted sifted;
-  sifted.scan = scan;
-  sifted.scan.sightings.clear();
-  sifted.verdicts.resize(scan.sightings.size());
-  for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
-    Association& verdict = sifted.verdicts[j];
-    verdict.sighting = static_cast<std::uint32_t>(j);
-    verdict.decision = Decision::rejected_input;
-    if (!hasUsableNumbers(scan.sightings[j])) {
-      verdict.reason = "direction is no finite unit vector or its covariance is not finite and positive";
-    } else if (sifted.scan.sightings.size() >= most) {
-      verdict.reason = "scan has " + std::to_string(scan.sightings.size()) +
-                       " sightings, more than max_sightings " + std::to_string(most) +
-                       ": raise it, or the sensor's threshold";
-    } else {
-      sifted.place.push_back(j);
-      sifted.scan.sightings.push_back(scan.sightings[j]);
-    }
-  }
-  return sifted;
+/// A late scan can be put up to max_lag back, and from there a sensor's scans are processed again over the
+/// roll-back after an alarm.
+TimelineParams timelineParams(const LocalTrackerParams& params) {
+  const double roll_back = params.guard.enabled ? params.guard.roll_back : 0.0;
+  TimelineParams timeline;
+  timeline.span = params.max_lag + roll_back;
+  timeline.interval = std::max(params.max_lag, roll_back / 2.0) / kStatesPerLag;
+  timeline.most_items = kMostScans;
+  return timeline;
 }
 
 }  // namespace
 
 LocalTracker::LocalTracker(const LocalTrackerParams& params)
-    : params_(params),
-      state_(firstState(Time{}, 1)),
-      memory_(params.max_lag, params.guard.enabled ? params.guard.roll_back : 0.0) {
+    : params_(params), state_(firstState(Time{}, 1)), scans_(timelineParams(params)) {
   if (params.max_tracks < 1 || params.max_sightings < 1 || !(params.max_lag >= 0.0)) {
     throw std::invalid_argument(
         "LocalTrackerParams: max_tracks and max_sightings >= 1, max_lag >= 0 are required");
@@ -90,178 +58,158 @@ LocalTracker::State LocalTracker::firstState(Time time, std::uint32_t next_id) c
 }
 
 ScanReport LocalTracker::onScan(const Scan& scan) {
-  Sifted sifted = sift(scan, static_cast<std::size_t>(params_.max_sightings));
+  UsableSightings usable = usableSightings(scan, static_cast<std::size_t>(params_.max_sightings));
   ScanReport result;
-  result.dropped = refusalOf(sifted.scan);
-  if (result.dropped.empty()) {
-    putInPlace(sifted.scan, result);
-    for (std::size_t k = 0; k < result.associations.size(); ++k) {
-      result.associations[k].sighting = static_cast<std::uint32_t>(sifted.place[k]);
-      sifted.verdicts[sifted.place[k]] = std::move(result.associations[k]);
-    }
+  result.refusal = refusalOf(usable.scan);
+  if (result.refusal) {
+    usable.rejectAll(textOf(*result.refusal));
   } else {
-    for (const std::size_t place : sifted.place) sifted.verdicts[place].reason = result.dropped;
+    usable.enter(putInPlace(usable.scan, result));
   }
-  result.associations = std::move(sifted.verdicts);
+  result.associations = std::move(usable.decisions);
   result.time = state_.time;
   result.tracks = report();
   return result;
 }
 
-std::string LocalTracker::refusalOf(const Scan& scan) const {
+std::optional<Refusal> LocalTracker::refusalOf(const Scan& scan) const {
   const double lateness = seconds(state_.time - scan.time);
-  const bool anything_before = !memory_.empty();
+  const bool anything_before = !scans_.empty();
   if (anything_before && lateness > params_.max_lag) {
-    std::ostringstream why;
-    why << "late: " << lateness << " s older than the newest scan, more than max_lag " << params_.max_lag
-        << " s";
-    return why.str();
+    std::ostringstream detail;
+    detail << lateness << " s older than the newest scan, more than max_lag " << params_.max_lag << " s";
+    return Refusal{"late", detail.str()};
   }
-  if (memory_.isBefore(scan.time)) {
-    return "late: more than " + std::to_string(ScanMemory<State>::kMostEntries) + " scans have come after it";
+  if (anything_before && scan.time < scans_[0].before->time) {
+    return Refusal{"late", "more than " + std::to_string(kMostScans) + " scans have come after it"};
   }
-  if (memory_.holds(scan)) return "duplicate: this exposure of " + scan.sensor + " has been taken already";
-  return {};
+  if (scans_.holds(scan))
+    return Refusal{"duplicate", "this exposure of " + scan.sensor + " has been taken already"};
+  return std::nullopt;
 }
 
 void LocalTracker::startAnew(Time time) {
   state_ = firstState(time, state_.next_id);
-  memory_.clear();
+  scans_.clear();
 }
 
-/// Follows the scan at its place in time; what had been followed after it is followed again.
-void LocalTracker::putInPlace(const Scan& scan, ScanReport& result) {
-  const std::size_t index = memory_.insert(scan);
-  const bool is_late = index + 1 < memory_.size();
-  for (std::size_t k = is_late ? memory_.goBack(index, state_) : index; k < memory_.size(); ++k) {
-    memory_.keepIfDue(k, state_);
-    const double calibration = state_.calibration.scale(memory_[k].scan.sensor);
-    std::vector<Association> decisions = follow(k);
+/// Processes the scan at its place in time; what had been processed after it is processed again. Returns the
+/// decisions on its sightings.
+std::vector<Association> LocalTracker::putInPlace(const Scan& scan, ScanReport& result) {
+  const std::size_t index = scans_.insert(scan);
+  const bool is_late = index < scans_.next();
+  // From the scan before it on, so that states are kept at the same places as in order.
+  if (is_late) scans_.restore(index == 0 ? 0 : index - 1, state_);
+  std::vector<Association> decisions;
+  for (; scans_.next() < scans_.size(); scans_.advance()) {
+    const std::size_t k = scans_.next();
+    scans_.keepIfDue(state_);
+    const double calibration = state_.calibration.scale(scans_[k].item.sensor);
+    std::vector<Association> made = processNext();
     if (k != index) continue;
-    result.associations = std::move(decisions);
-    result.noise_scale = calibration * memory_[k].noise_scale;
+    decisions = std::move(made);
+    result.use = scans_[k].use;
+    result.use.noise_scale *= calibration;
   }
-  memory_.forget(state_.time);
-  result.changes = newChanges();
+  scans_.close(state_.time);
+  scans_.dropClosed();
+  result.changes = reporter_.unreported(state_.changes);
+  return decisions;
 }
 
-/// One scan in order of time: the whole of tracking.
-std::vector<Association> LocalTracker::follow(std::size_t k) {
-  const Scan scan = calibrated(memory_[k].scan);
-  memory_.use(k, state_.guard.noiseScale(scan.sensor));
-  state_.time = scan.time;
-  deleteTracks(scan.time);
-  Look look = lookAt(scan, memory_[k].noise_scale);
+/// The next scan in order of time: the whole of tracking.
+std::vector<Association> LocalTracker::processNext() {
+  const std::size_t k = scans_.next();
+  const std::string& sensor = scans_[k].item.sensor;
+  scans_.use(k, state_.guard.useOf(sensor));
+  AssociatedScan associated = predictAndAssociate(k);
   if (params_.guard.enabled) {
-    state_.guard.watch(scan, look.predictions, look.pairing, look.corroboration);
-    if (const auto change = state_.guard.judge(scan.time, scan.sensor)) {
-      note(*change);
+    watch(associated);
+    if (const auto change = state_.guard.judge(state_.time, sensor)) {
+      remember(state_.changes, *change);
       const bool is_harmful = change->change.verdict != SensorVerdict::healthy && !change->undecided;
-      if (is_harmful) return followAgain(k, *change);
+      if (is_harmful) return processAgain(*change);
     }
   }
-  return settle(scan, memory_[k].noise_scale, look);
+  return updateTracks(associated);
 }
 
-/// After an alarm at entry k: back to when the change began, and on from there with what is known now of the
-/// sensor. The others are watched anew, against tracks that it no longer harms; they are judged when their
-/// next scan comes.
-std::vector<Association> LocalTracker::followAgain(std::size_t k, const SensorChange& change) {
-  const SensorGuard seen = state_.guard;
+/// After an alarm by the next scan: rolls back to when the change began, and processes the scans from there
+/// to this one with what is known now of the sensor. The others are watched anew, against tracks that it no
+/// longer harms; they are judged when their next scan comes.
+std::vector<Association> LocalTracker::processAgain(const SensorChange& change) {
+  const SensorGuard known = state_.guard;
   std::vector<SensorChange> changes = state_.changes;
-  const Time earliest = memory_[k].scan.time - durationOf(params_.guard.roll_back);
-  const std::size_t from = memory_.rollBack(k, change.sensor, std::max(change.change.began, earliest),
-                                            seen.noiseScale(change.sensor));
-  const Time since = memory_[from].scan.time;
-  state_ = State(*memory_[from].before);
-  state_.guard.adopt(seen, since);
+  const std::size_t alarm = scans_.next();
+  const Time earliest = scans_[alarm].item.time - durationOf(params_.guard.roll_back);
+  const std::size_t first = scans_.firstNotBefore(std::max(change.change.began, earliest));
+  const std::size_t from = scans_.rollBack(first, state_);
+  for (std::size_t k = first; k <= alarm; ++k) {
+    if (scans_[k].item.sensor == change.sensor) scans_.use(k, known.useOf(change.sensor));
+  }
+  const Time since = scans_[from].item.time;
+  state_.guard.adopt(known, since);
   std::vector<Association> decisions;
-  for (std::size_t i = from; i <= k; ++i) {
-    memory_.keepAgain(i, state_);
-    const Scan scan = calibrated(memory_[i].scan);
-    state_.time = scan.time;
-    deleteTracks(scan.time);
-    Look look = lookAt(scan, memory_[i].noise_scale);
-    if (!seen.changedSince(scan.sensor, since))
-      state_.guard.watch(scan, look.predictions, look.pairing, look.corroboration);
-    decisions = settle(scan, memory_[i].noise_scale, look);
+  for (std::size_t k = from; k <= alarm; ++k) {
+    scans_.keepIfDue(state_);
+    AssociatedScan associated = predictAndAssociate(k);
+    if (!known.changedSince(associated.scan.sensor, since)) watch(associated);
+    decisions = updateTracks(associated);
+    if (k < alarm) scans_.advance();
   }
   state_.changes = std::move(changes);
   return decisions;
 }
 
-void LocalTracker::note(const SensorChange& change) {
-  state_.changes.push_back(change);
-  keepTheLast(state_.changes);
-}
-
-/// Changes that have not been reported; a scan that comes late must not report them twice.
-std::vector<SensorChange> LocalTracker::newChanges() {
-  std::vector<SensorChange> fresh;
-  for (const SensorChange& change : state_.changes) {
-    const auto isIt = [&](const SensorChange& told) { return isSame(told, change); };
-    if (std::any_of(told_.begin(), told_.end(), isIt)) continue;
-    fresh.push_back(change);
-    told_.push_back(change);
-    keepTheLast(told_);
-  }
-  return fresh;
-}
-
-/// What the tracks expect of a scan, and who would take what.
-LocalTracker::Look LocalTracker::lookAt(const Scan& scan, double noise_scale) {
-  const bool is_scaled = noise_scale != 1.0 && std::isfinite(noise_scale);
-  Look look;
-  look.predictions = predict(scan);
-  if (const double variance = state_.guard.clockVariance(scan.sensor); variance > 0.0) {
-    for (TrackPrediction& prediction : look.predictions) {
-      const Eigen::Vector2d rates = prediction.state.rates();
-      prediction.stamp_covariance = variance * rates * rates.transpose();
-    }
-  }
-  look.pairing = associate(is_scaled ? withNoise(scan, noise_scale) : scan, look.predictions, params_.gate,
-                           state_.detection.clutterDensity(scan), params_.association);
-  if (!params_.guard.enabled) return look;
-  look.corroboration.reserve(state_.tracks.size());
+/// What the tracks expect of scan k, by what has been learnt of its sensor's noise, and which sighting is
+/// whose.
+LocalTracker::AssociatedScan LocalTracker::predictAndAssociate(std::size_t k) {
+  AssociatedScan associated;
+  Scan& scan = associated.scan = calibrated(scans_[k].item);
+  associated.is_excluded = scans_[k].use.is_excluded;
+  associated.used = withNoise(scan, scans_[k].use.noise_scale);
+  state_.time = scan.time;
+  deleteTracks();
+  associated.predictions = predict(scan);
+  associated.result = associate(associated.used, associated.predictions, params_.gate,
+                                state_.detection.clutterDensity(scan), params_.association);
+  if (!params_.guard.enabled) return associated;
+  associated.corroboration.reserve(state_.tracks.size());
   for (const LiveTrack& track : state_.tracks)
-    look.corroboration.push_back(track.corroborationOf(scan.sensor, scan.time, state_.guard));
-  return look;
+    associated.corroboration.push_back(track.corroborationOf(scan.sensor, scan.time, state_.guard));
+  return associated;
 }
 
-/// The tracks take what is theirs, the rest may start new ones.
-std::vector<Association> LocalTracker::settle(const Scan& scan, double noise_scale, Look& look) {
-  const bool is_excluded = std::isinf(noise_scale);
-  if (is_excluded) leaveOut(scan, look);
-  const bool is_scaled = noise_scale != 1.0 && !is_excluded;
-  const Scan scaled = is_scaled ? withNoise(scan, noise_scale) : Scan{};
-  const Scan& used = is_scaled ? scaled : scan;
-  const std::vector<std::uint32_t> fresh = update(used, look, is_excluded);
-  if (!is_excluded) learnDetection(scan, look);
-  for (const std::uint32_t id : fresh) reacquire(scan, id, look.pairing);
-  start(used, look.pairing);
-  mergeDuplicates(look);
-  deleteTracks(scan.time);
-  return std::move(look.pairing.decisions);
+/// The tracks are updated with what is theirs, the rest may start new ones. Returns the decisions.
+std::vector<Association> LocalTracker::updateTracks(AssociatedScan& associated) {
+  if (associated.is_excluded) leaveOut(associated);
+  const std::vector<std::uint32_t> confirmed = updateOrMiss(associated);
+  if (!associated.is_excluded) learnDetection(associated);
+  for (const std::uint32_t id : confirmed) reacquire(id, associated);
+  startTracks(associated);
+  deleteDuplicates(associated);
+  deleteTracks();
+  return std::move(associated.result.decisions);
 }
-
-/// Takes the sightings of an excluded sensor away from the tracks that others see too. What may be the ghost
-/// of such a track starts no track of its own.
-void LocalTracker::leaveOut(const Scan& scan, Look& look) const {
+/// Takes the sightings of an excluded sensor away from the tracks that others see too. What is explained by
+/// the sensor's bias as a sighting of such a track starts no track of its own.
+void LocalTracker::leaveOut(AssociatedScan& associated) const {
+  const Scan& scan = associated.scan;
+  AssociationResult& result = associated.result;
   for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
-    for (std::size_t i = 0; i < look.predictions.size(); ++i) {
-      const Corroboration& corroboration = look.corroboration[i];
-      const bool is_yardstick = look.predictions[i].believed && corroboration.others > 0;
-      if (!is_yardstick) continue;
-      const bool is_taken = look.pairing.sighting_of[i] == static_cast<int>(j);
-      const bool may_be_ghost =
-          look.pairing.may_start[j] &&
-          state_.guard.isExplainedByBias(scan.sensor, look.predictions[i], scan.sightings[j]);
-      if (!is_taken && !may_be_ghost) continue;
-      if (is_taken) look.pairing.sighting_of[i] = -1;
-      look.pairing.may_start[j] = false;
-      Association& decision = look.pairing.decisions[j];
+    for (std::size_t i = 0; i < associated.predictions.size(); ++i) {
+      const TrackPrediction& prediction = associated.predictions[i];
+      const bool is_corroborated = prediction.believed && associated.corroboration[i].others > 0;
+      if (!is_corroborated) continue;
+      const bool is_taken = result.sighting_of[i] == static_cast<int>(j);
+      const bool may_be_its_own =
+          result.may_start[j] && state_.guard.isExplainedByBias(scan.sensor, prediction, scan.sightings[j]);
+      if (!is_taken && !may_be_its_own) continue;
+      if (is_taken) result.sighting_of[i] = -1;
+      result.may_start[j] = false;
+      Association& decision = result.decisions[j];
       decision.decision = Decision::rejected_input;
-      decision.track = look.predictions[i].id;
+      decision.track = prediction.id;
       decision.reason = "sensor " + scan.sensor + " is excluded: biased";
     }
   }
@@ -269,10 +217,14 @@ void LocalTracker::leaveOut(const Scan& scan, Look& look) const {
 
 std::vector<TrackPrediction> LocalTracker::predict(const Scan& scan) {
   const double detection_probability = state_.detection.probability(scan);
+  const double stamp_variance = state_.guard.clockVariance(scan.sensor);
   std::vector<TrackPrediction> predictions;
   predictions.reserve(state_.tracks.size());
   for (LiveTrack& track : state_.tracks) {
     predictions.push_back(track.predict(scan, detection_probability, params_.lifecycle, params_.adapt_gate));
+    if (stamp_variance <= 0.0) continue;
+    const Eigen::Vector2d rates = predictions.back().state.rates();
+    predictions.back().stamp_covariance = stamp_variance * rates * rates.transpose();
   }
   return predictions;
 }
@@ -282,121 +234,128 @@ Scan LocalTracker::calibrated(const Scan& scan) const {
   return withNoise(scan, state_.calibration.scale(scan.sensor));
 }
 
-/// What a settled track's sighting tells of its sensor's noise, unless the sensor's verdict has changed it.
+void LocalTracker::watch(const AssociatedScan& associated) {
+  state_.guard.watch(associated.scan, associated.predictions, associated.result, associated.corroboration);
+}
+
+/// Associated tracks are updated with their sighting, the others have missed; where the sensor is left out it
+/// says nothing either way. Returns the ids of the tracks that have been confirmed by it.
+std::vector<std::uint32_t> LocalTracker::updateOrMiss(const AssociatedScan& associated) {
+  const Scan& scan = associated.used;
+  const AssociationResult& result = associated.result;
+  std::vector<std::uint32_t> confirmed;
+  for (std::size_t i = 0; i < state_.tracks.size(); ++i) {
+    LiveTrack& track = state_.tracks[i];
+    const TrackPrediction& prediction = associated.predictions[i];
+    const int own = result.sighting_of[i];
+    if (own >= 0) {
+      const Sighting& sighting = scan.sightings[static_cast<std::size_t>(own)];
+      calibrate(scan, sighting, track, prediction);
+      const bool was_tentative = track.lifecycle().isTentative();
+      track.update(scan, sighting, prediction, result.possible[i], result.evidence[i], params_.lifecycle);
+      if (was_tentative && track.lifecycle().isEstablished()) confirmed.push_back(track.id());
+    } else if (!associated.is_excluded || associated.corroboration[i].others == 0) {
+      track.miss(scan, prediction, result.evidence[i], params_.lifecycle);
+    }
+  }
+  return confirmed;
+}
+
+/// What a mature track's sighting tells of its sensor's noise, unless the sensor's verdict has changed it.
 void LocalTracker::calibrate(const Scan& scan, const Sighting& sighting, const LiveTrack& track,
                              const TrackPrediction& prediction) {
-  if (!track.isMature() || state_.guard.noiseScale(scan.sensor) != 1.0) return;
+  if (!track.lifecycle().isMature() || !state_.guard.useOf(scan.sensor).isAsStated()) return;
   const Eigen::Vector2d innovation =
       angleDifference(prediction.chart.coordinatesOf(sighting.direction), prediction.state.angles());
   const Eigen::Matrix2d S = prediction.state.anglesCovariance() + prediction.noiseOf(sighting);
   state_.calibration.take(scan.sensor, innovation.cwiseAbs2(), S.diagonal(), prediction.noise_scale);
 }
 
-/// Tracks that were paired take their sighting, the others have missed; where the sensor is left out it says
-/// nothing either way.
-/// Returns the ids of the tracks that have come to be believed by it.
-std::vector<std::uint32_t> LocalTracker::update(const Scan& scan, const Look& look, bool is_excluded) {
-  std::vector<std::uint32_t> fresh;
-  for (std::size_t i = 0; i < state_.tracks.size(); ++i) {
-    LiveTrack& track = state_.tracks[i];
-    const TrackPrediction& prediction = look.predictions[i];
-    const int taken = look.pairing.sighting_of[i];
-    if (taken >= 0) {
-      const Sighting& sighting = scan.sightings[static_cast<std::size_t>(taken)];
-      calibrate(scan, sighting, track, prediction);
-      const bool was_tentative = !track.isEstablished() && !track.isLost();
-      track.take(scan, sighting, prediction, look.pairing.possible[i], look.pairing.evidence[i],
-                 params_.lifecycle);
-      if (was_tentative && track.isEstablished()) fresh.push_back(track.id());
-    } else if (!is_excluded || look.corroboration[i].others == 0) {
-      track.miss(scan, prediction, look.pairing.evidence[i], params_.lifecycle);
-    }
+/// What the scan tells of how its sensor sees the targets of mature tracks, and of its false sightings.
+void LocalTracker::learnDetection(const AssociatedScan& associated) {
+  int looked = 0, seen = 0;
+  std::vector<double> falseness(associated.scan.sightings.size(), 1.0);
+  for (std::size_t i = 0; i < associated.predictions.size(); ++i) {
+    const TrackPrediction& prediction = associated.predictions[i];
+    const int own = associated.result.sighting_of[i];
+    if (own >= 0) falseness[static_cast<std::size_t>(own)] = 1.0 - prediction.existence;
+    if (!state_.tracks[i].lifecycle().isMature() || !prediction.is_in_view) continue;
+    ++looked;
+    if (own >= 0) ++seen;
   }
-  return fresh;
+  state_.detection.take(associated.scan, looked, seen, falseness);
 }
 
-/// A track that has just come to be believed may be of a target that was lost, or is about to be: then it
-/// goes on as its track, if that is more likely than a new target there.
-void LocalTracker::reacquire(const Scan& scan, std::uint32_t id, AssociationResult& pairing) {
+/// A track that has just been confirmed may be of a target that was lost, or is about to be: then it goes on
+/// as that track, if that is more likely than a new target there.
+void LocalTracker::reacquire(std::uint32_t id, AssociatedScan& associated) {
+  const Scan& scan = associated.scan;
   auto& tracks = state_.tracks;
   const auto fresh =
       std::find_if(tracks.begin(), tracks.end(), [&](const LiveTrack& track) { return track.id() == id; });
-  auto nearest = tracks.end();
+  auto likeliest = tracks.end();
   double most = 0.0;
   for (auto missing = tracks.begin(); missing != tracks.end(); ++missing) {
-    if (!missing->isMissing()) continue;
-    const double births = state_.detection.birthDensity(scan, seconds(scan.time - missing->lastSighting()));
-    const double gain = missing->logDensityOfReturn(*fresh, scan.time) - std::log(births * kBirthRateDensity);
+    if (!missing->lifecycle().isMissing()) continue;
+    const double silence = seconds(scan.time - missing->lifecycle().lastSighting());
+    const double new_targets = state_.detection.birthDensity(scan, silence) * kBirthRateDensity;
+    const double gain = missing->logDensityOfReturn(*fresh, scan.time) - std::log(new_targets);
     if (gain <= most) continue;
     most = gain;
-    nearest = missing;
+    likeliest = missing;
   }
-  if (nearest == tracks.end()) return;
-  fresh->resume(*nearest);
-  for (Association& decision : pairing.decisions) {
+  if (likeliest == tracks.end()) return;
+  fresh->resume(*likeliest);
+  for (Association& decision : associated.result.decisions) {
     if (decision.track == id) decision.track = fresh->id();
   }
-  tracks.erase(nearest);
+  tracks.erase(likeliest);
   std::sort(tracks.begin(), tracks.end(),
             [](const LiveTrack& a, const LiveTrack& b) { return a.id() < b.id(); });
 }
 
-/// What the scan tells of how its sensor sees settled targets, and of its false sightings.
-void LocalTracker::learnDetection(const Scan& scan, const Look& look) {
-  int looked = 0, seen = 0;
-  std::vector<double> falseness(scan.sightings.size(), 1.0);
-  for (std::size_t i = 0; i < look.predictions.size(); ++i) {
-    const int taken = look.pairing.sighting_of[i];
-    if (taken >= 0) falseness[static_cast<std::size_t>(taken)] = 1.0 - look.predictions[i].existence;
-    if (!state_.tracks[i].isMature() || !look.predictions[i].is_in_view) continue;
-    ++looked;
-    if (taken >= 0) ++seen;
-  }
-  state_.detection.take(scan, looked, seen, falseness);
-}
-
 /// Sightings that nobody claims start tracks of their own, while there is room.
-void LocalTracker::start(const Scan& scan, AssociationResult& pairing) {
+void LocalTracker::startTracks(AssociatedScan& associated) {
+  const Scan& scan = associated.used;
   const double odds = state_.detection.newTargetOdds(scan);
   for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
-    if (!pairing.may_start[j] || state_.tracks.size() >= static_cast<std::size_t>(params_.max_tracks))
-      continue;
+    const bool has_room = state_.tracks.size() < static_cast<std::size_t>(params_.max_tracks);
+    if (!associated.result.may_start[j] || !has_room) continue;
     const std::uint32_t id = state_.next_id++;
     state_.tracks.emplace_back(id, scan, scan.sightings[j], makeEstimator(params_.estimator), odds);
-    pairing.decisions[j] = Association{};
-    pairing.decisions[j].sighting = static_cast<std::uint32_t>(j);
-    pairing.decisions[j].track = id;
-    pairing.decisions[j].decision = Decision::started_track;
+    Association& decision = associated.result.decisions[j] = Association{};
+    decision.sighting = static_cast<std::uint32_t>(j);
+    decision.track = id;
+    decision.decision = Decision::started_track;
   }
 }
 
 /// Of tracks that follow one target the oldest goes on.
-void LocalTracker::mergeDuplicates(const Look& look) {
+void LocalTracker::deleteDuplicates(const AssociatedScan& associated) {
   const std::vector<std::uint32_t> duplicates =
-      state_.duplicates.watch(look.predictions, look.pairing, params_.lifecycle.merge_scans);
-  if (duplicates.empty()) return;
+      state_.duplicates.watch(associated.predictions, associated.result, params_.lifecycle.merge_scans);
+  const auto isDuplicate = [&](const LiveTrack& track) {
+    return std::binary_search(duplicates.begin(), duplicates.end(), track.id());
+  };
   auto& tracks = state_.tracks;
-  tracks.erase(std::remove_if(tracks.begin(), tracks.end(),
-                              [&](const LiveTrack& track) {
-                                return std::binary_search(duplicates.begin(), duplicates.end(), track.id());
-                              }),
-               tracks.end());
+  tracks.erase(std::remove_if(tracks.begin(), tracks.end(), isDuplicate), tracks.end());
 }
 
-void LocalTracker::deleteTracks(Time time) {
+/// Brings every track's status up to date and deletes those that are over.
+void LocalTracker::deleteTracks() {
   auto& tracks = state_.tracks;
-  tracks.erase(std::remove_if(tracks.begin(), tracks.end(),
-                              [&](LiveTrack& track) {
-                                return track.isDead(time, params_.lifecycle, params_.adapt_gate);
-                              }),
-               tracks.end());
+  for (LiveTrack& track : tracks) track.updateStatus(state_.time, params_.lifecycle);
+  const auto isOver = [this](const LiveTrack& track) {
+    return track.isOver(state_.time, params_.lifecycle, params_.adapt_gate);
+  };
+  tracks.erase(std::remove_if(tracks.begin(), tracks.end(), isOver), tracks.end());
 }
 
 std::vector<Track> LocalTracker::report() const {
   std::vector<Track> tracks;
   tracks.reserve(state_.tracks.size());
   for (const LiveTrack& track : state_.tracks) {
-    if (track.isLost()) continue;
+    if (track.lifecycle().isLost()) continue;
     tracks.push_back(track.report(state_.time, params_.gate, params_.adapt_gate, params_.lifecycle));
   }
   return tracks;

@@ -1,7 +1,6 @@
 #include "sightline/core/tracking/tracklet_builder.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 namespace sightline::core {
@@ -21,7 +20,7 @@ TrackletBuilder::TrackletBuilder(const TrackletParams& params) : params_(params)
 }
 
 std::optional<TrackletReport> TrackletBuilder::onScan(const Scan& scan, const ScanReport& tracked) {
-  if (!tracked.dropped.empty()) return std::nullopt;
+  if (tracked.refusal) return std::nullopt;
   if (newest_ && tracked.time < *newest_) {  // the clock went back, and the tracker started again
     pending_.clear();
     waiting_ = 0;
@@ -43,7 +42,7 @@ std::optional<TrackletReport> TrackletBuilder::onTime(Time now) {
 }
 
 void TrackletBuilder::collect(const Scan& scan, const ScanReport& tracked) {
-  if (!std::isfinite(tracked.noise_scale)) return;  // the scan's sensor was excluded
+  if (tracked.use.is_excluded) return;
   for (const Association& association : tracked.associations) {
     const bool taken =
         association.decision == Decision::accepted || association.decision == Decision::started_track;
@@ -53,7 +52,7 @@ void TrackletBuilder::collect(const Scan& scan, const ScanReport& tracked) {
     sighting.sensor = scan.sensor;
     sighting.ifov = scan.ifov;
     sighting.sighting = scan.sightings[association.sighting];
-    sighting.sighting.covariance *= tracked.noise_scale;
+    sighting.sighting.covariance *= tracked.use.noise_scale;
     std::vector<Tracklet>& pending = pending_[{association.track, scan.sensor}];
     const auto place = std::upper_bound(pending.begin(), pending.end(), sighting,
                                         [](const Tracklet& a, const Tracklet& b) { return a.time < b.time; });

@@ -25,11 +25,6 @@ core::StampWatchParams stampWatchParams(double max_lag) {
   return params;
 }
 
-/// Why a tracker dropped a scan begins with the kind of reason: "late: 0.7 s older than ...".
-std::string kindOf(const std::string& reason) {
-  return reason.substr(0, reason.find(':'));
-}
-
 /// One entry for each sighting of a scan that was not used at all.
 std::vector<core::Association> allRejected(std::size_t count, const std::string& reason) {
   std::vector<core::Association> associations(count);
@@ -89,7 +84,7 @@ std::vector<TrackerReport> LocalTrackerComponent::onTransforms(core::Time now) {
     if (!framed.refusal)
       admit(std::move(framed), now, reports);
     else
-      reports.push_back(track(framed));
+      reports.push_back(refuse(framed, *framed.refusal, framed.refusal->detail));
   }
   return reports;
 }
@@ -104,8 +99,8 @@ void LocalTrackerComponent::admit(FramedScan framed, core::Time now, std::vector
   std::string notice;
   for (const std::string& words : admitted.notices) notice += (notice.empty() ? "" : "; ") + words;
   for (auto& passed : admitted.passed) {
-    if (!passed.dropped.empty()) passed.item.refusal = core::Refusal{kindOf(passed.dropped), passed.dropped};
-    reports.push_back(track(passed.item));
+    reports.push_back(passed.refusal ? refuse(passed.item, *passed.refusal, textOf(*passed.refusal))
+                                     : track(passed.item));
     reports.back().notice = std::exchange(notice, "");
     reports.back().went_back = std::exchange(admitted.went_back, std::nullopt).has_value();
   }
@@ -122,26 +117,26 @@ sightline::TrackletArray::Ptr LocalTrackerComponent::overdueTracklets(core::Time
 
 TrackerReport LocalTrackerComponent::track(FramedScan& framed) {
   TrackerReport report;
-  report.scan = framed.message;
-  if (framed.refusal) {
-    report.drop_reason = std::move(framed.refusal->kind);
-    report.drop_detail = std::move(framed.refusal->detail);
-  }
+  core::ScanReport tracked = tracker_.onScan(framed.scan);
+  report.refusal = tracked.refusal;
+  report.changes = std::move(tracked.changes);
+  if (!tracked.refusal) report.tracks = trackArray(tracked);
+  if (tracklets_) report.tracklets = trackletArray(tracklets_->onScan(framed.scan, tracked));
+  return withAssociations(std::move(report), framed, std::move(tracked.associations));
+}
 
-  std::vector<core::Association> associations;
-  if (report.drop_reason.empty()) {
-    core::ScanReport tracked = tracker_.onScan(framed.scan);
-    report.drop_reason = kindOf(tracked.dropped);
-    report.drop_detail = tracked.dropped;
-    report.changes = std::move(tracked.changes);
-    if (tracked.dropped.empty()) report.tracks = trackArray(tracked);
-    if (tracklets_) report.tracklets = trackletArray(tracklets_->onScan(framed.scan, tracked));
-    associations = std::move(tracked.associations);
-  } else {
-    associations = allRejected(framed.message->sightings.size(), report.drop_detail);
-  }
+/// A scan that did not come to the tracker. `reason`: published for each of its sightings.
+TrackerReport LocalTrackerComponent::refuse(FramedScan& framed, core::Refusal refusal,
+                                            const std::string& reason) const {
+  TrackerReport report;
+  report.refusal = std::move(refusal);
+  return withAssociations(std::move(report), framed, allRejected(framed.message->sightings.size(), reason));
+}
+
+TrackerReport LocalTrackerComponent::withAssociations(TrackerReport report, FramedScan& framed,
+                                                      std::vector<core::Association> associations) const {
   for (auto& [index, reason] : framed.rejections) associations[index].reason = std::move(reason);
-
+  report.scan = framed.message;
   report.rejected =
       static_cast<std::size_t>(std::count_if(associations.begin(), associations.end(), isRejected));
   report.associations = associationArray(associations, *framed.message, trackingFrame());

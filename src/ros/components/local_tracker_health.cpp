@@ -34,7 +34,7 @@ std::string firstRejection(const sightline::AssociationArray& associations) {
 }
 
 std::string kindOfComplaint(const TrackerReport& report) {
-  if (!report.drop_reason.empty()) return "scans dropped, " + report.drop_reason;
+  if (report.refusal) return "scans dropped, " + report.refusal->kind;
   return report.rejected > 0 ? kRejectedSightings : "";
 }
 
@@ -52,7 +52,7 @@ void LocalTrackerHealth::noteArrival(const sightline::SightingArray& scan, core:
   sensor.latency.add(core::seconds(now - toCore(scan.header.stamp)));
 }
 
-/// Now and then, what the doctor would say of what came in since.
+/// Now and then, examines what came in since as input_doctor does.
 void LocalTrackerHealth::examine(core::Time now) {
   if (!last_examination_ || now < *last_examination_) last_examination_ = now;
   if (core::seconds(now - *last_examination_) < kSecondsOfExamination) return;
@@ -64,10 +64,10 @@ void LocalTrackerHealth::examine(core::Time now) {
 }
 
 void LocalTrackerHealth::note(const TrackerReport& report) {
-  const bool was_used = report.drop_reason.empty();
+  const bool was_used = !report.refusal;
   if (!was_used) {
     ++drops_[kindOfComplaint(report)].count;
-    ++sensors_[report.scan->sensor].drops[report.drop_reason];
+    ++sensors_[report.scan->sensor].drops[report.refusal->kind];
   }
   if (report.went_back) {
     for (auto& named : sensors_) named.second.last_scan = named.second.last_sighting = core::Time{};
@@ -104,7 +104,8 @@ std::optional<std::string> LocalTrackerHealth::warningAbout(const TrackerReport&
   std::ostringstream warning;
   warning << kind << " (" << counted.count - counted.count_warned << " new, " << counted.count
           << " in all), the last of sensor \"" << report.scan->sensor << "\": "
-          << (report.drop_detail.empty() ? firstRejection(*report.associations) : report.drop_detail);
+          << (report.refusal && !report.refusal->detail.empty() ? report.refusal->detail
+                                                                : firstRejection(*report.associations));
   counted.last_warning = now;
   counted.count_warned = counted.count;
   return warning.str();
@@ -150,9 +151,9 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
   summarize(now, status);
   examine(now);
   for (const core::WatchedStamps& sensor : stamps) {
-    if (sensor.words.empty()) continue;
-    status.add("stamps of " + sensor.sensor, sensor.words);
-    status.mergeSummary(DiagnosticStatus::WARN, "stamps of " + sensor.sensor + " are " + sensor.words);
+    if (sensor.text.empty()) continue;
+    status.add("stamps of " + sensor.sensor, sensor.text);
+    status.mergeSummary(DiagnosticStatus::WARN, "stamps of " + sensor.sensor + " are " + sensor.text);
   }
   for (const core::CalibratedSensor& sensor : calibrated) {
     status.add("noise of " + sensor.sensor, textOf(sensor));

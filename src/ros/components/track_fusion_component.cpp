@@ -73,7 +73,7 @@ sightline::SensorHealth toMessage(const core::WatchedSensor& watched) {
   if (watched.last) message = toMessage(*watched.last, watched.undecided);
   message.sensor = watched.sensor;
   message.verdict = nameOf(watched.verdict);
-  message.noise_scale = watched.noise_scale;
+  message.noise_scale = watched.is_excluded ? std::numeric_limits<double>::infinity() : watched.noise_scale;
   message.reason = textOf(watched);
   message.clock_behind = std::numeric_limits<double>::quiet_NaN();
   if (!watched.clock) return message;

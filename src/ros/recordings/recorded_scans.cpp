@@ -87,7 +87,7 @@ void RecordedScans::admit(const StampGate::Result& admitted, DueScans& due) {
     queue_ = Queue(max_lag_);
   }
   for (const StampGate::Passed& passed : admitted.passed) {
-    if (passed.dropped.empty())
+    if (!passed.refusal)
       enqueue(passed.item);
     else
       ++summary_.drops["recording: scan dropped, its stamp is ahead of the other sensors'"];

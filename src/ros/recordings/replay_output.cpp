@@ -32,7 +32,7 @@ void ReplayOutput::write(const TrackerReport& report, const std::string& tracker
                          const TrackerTopics& topics) {
   out_.write(topics.associations, bagTime(report.scan->header.stamp), report.associations);
   if (!report.tracks) {
-    ++summary_.drops[tracker + ": scan dropped, " + report.drop_reason];
+    ++summary_.drops[tracker + ": scan dropped, " + report.refusal->kind];
     return;
   }
   if (report.rejected > 0) summary_.drops[tracker + ": sightings rejected"] += report.rejected;

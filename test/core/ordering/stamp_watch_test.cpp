@@ -37,9 +37,8 @@ class Witness {
   }
 
   bool isUsed(const StampJudgement& judgement) const {
-    return std::any_of(judgement.verdicts.begin(), judgement.verdicts.end(), [&](const auto& verdict) {
-      return verdict.scan == next_ - 1 && verdict.dropped.empty();
-    });
+    return std::any_of(judgement.verdicts.begin(), judgement.verdicts.end(),
+                       [&](const auto& verdict) { return verdict.scan == next_ - 1 && !verdict.refusal; });
   }
 
   /// Whether a notice has these words.
@@ -48,9 +47,9 @@ class Witness {
                        [&](const std::string& notice) { return notice.find(words) != std::string::npos; });
   }
 
-  std::string wordsOn(const std::string& sensor) const {
+  std::string textOn(const std::string& sensor) const {
     for (const auto& watched : watch_.sensors()) {
-      if (watched.sensor == sensor) return watched.words;
+      if (watched.sensor == sensor) return watched.text;
     }
     return "(unknown)";
   }
@@ -65,7 +64,7 @@ class Witness {
   StampJudgement keep(StampJudgement judgement, const std::string& sensor) {
     notices.insert(notices.end(), judgement.notices.begin(), judgement.notices.end());
     for (const auto& verdict : judgement.verdicts) {
-      if (!verdict.dropped.empty()) dropped.push_back(sensor);
+      if (verdict.refusal) dropped.push_back(sensor);
     }
     went_back += judgement.went_back ? 1 : 0;
     return judgement;
@@ -122,7 +121,7 @@ TEST(StampWatch, UsesEveryScanThatArrivesWithinTheLagWhateverTheOrder) {
       EXPECT_FALSE(result.went_back);
       EXPECT_TRUE(result.notices.empty()) << result.notices.front();
       for (const auto& passed : result.passed) {
-        EXPECT_EQ(passed.dropped, "");
+        EXPECT_FALSE(passed.refusal);
         used.insert(passed.item);
       }
     };
@@ -160,13 +159,13 @@ TEST_P(Step, ForwardOfOneClockCostsThatSensorAloneUntilItReturns) {
   EXPECT_EQ(witness.notices.size(), 1u);
   EXPECT_TRUE(witness.said("stamps of a are ")) << witness.notices.at(0);
   EXPECT_TRUE(witness.said(" ahead of the others'")) << witness.notices.at(0);
-  EXPECT_NE(witness.wordsOn("a"), "");
-  EXPECT_EQ(witness.wordsOn("b"), "");
+  EXPECT_NE(witness.textOn("a"), "");
+  EXPECT_EQ(witness.textOn("b"), "");
   EXPECT_GT(witness.dropped.size(), 140u);
   EXPECT_TRUE(witness.isUsed(witness.take("b", 10.0)));
   EXPECT_TRUE(witness.isUsed(witness.take("a", 10.01)));
   EXPECT_TRUE(witness.said("stamps of a agree with the others' again"));
-  EXPECT_EQ(witness.wordsOn("a"), "");
+  EXPECT_EQ(witness.textOn("a"), "");
   EXPECT_EQ(witness.went_back, 0);
 }
 

@@ -111,7 +111,7 @@ TEST_P(Guard, AfterABiasTheStateIsThatOfATrackerThatNeverSawIt) {
   const HealthChange& change = outcome.changes.back().change;
   EXPECT_EQ(change.verdict, SensorVerdict::biased);
   EXPECT_NEAR(seconds(change.began - at(kChange)), 0.0, 0.3);
-  EXPECT_EQ(outcome.reports.back().noise_scale, std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(outcome.reports.back().use.is_excluded);
 
   std::vector<Scan> good;
   for (const Scan& scan : scans) {
@@ -131,8 +131,9 @@ TEST_P(Guard, GrownNoiseIsTakenForWhatItIsSinceItBegan) {
   const Outcome outcome = track(guarded, scans);
   ASSERT_FALSE(outcome.changes.empty());
   EXPECT_EQ(outcome.changes.back().change.verdict, SensorVerdict::noisy);
-  EXPECT_GT(outcome.reports.back().noise_scale, 4.0);
-  EXPECT_LT(outcome.reports.back().noise_scale, 200.0);
+  EXPECT_FALSE(outcome.reports.back().use.is_excluded);
+  EXPECT_GT(outcome.reports.back().use.noise_scale, 4.0);
+  EXPECT_LT(outcome.reports.back().use.noise_scale, 200.0);
 }
 
 TEST_P(Guard, TheOrderOfArrivalChangesNothing) {
@@ -156,7 +157,8 @@ TEST_P(Guard, TheOrderOfArrivalChangesNothing) {
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t i = 0; i < a.size(); ++i) {
       EXPECT_EQ(a[i].verdict, b[i].verdict);
-      EXPECT_EQ(a[i].noise_scale, b[i].noise_scale);
+      EXPECT_EQ(a[i].use.is_excluded, b[i].use.is_excluded);
+      EXPECT_EQ(a[i].use.noise_scale, b[i].use.noise_scale);
       ASSERT_EQ(a[i].last.has_value(), b[i].last.has_value());
       if (a[i].last) {
         EXPECT_EQ(a[i].last->time, b[i].last->time);
@@ -174,7 +176,7 @@ TEST_P(Guard, AnExcludedSensorLeavesNoGhostAndComesBack) {
     EXPECT_EQ(outcome.changes.front().sensor, "sensor_5");
     EXPECT_EQ(outcome.changes.back().change.verdict, SensorVerdict::healthy);
     EXPECT_GE(outcome.changes.back().change.time, at(7.0));
-    EXPECT_EQ(outcome.reports.back().noise_scale, 1.0);
+    EXPECT_TRUE(outcome.reports.back().use.isAsStated());
     for (std::size_t k = 0; k < scans.size(); ++k) {
       if (scans[k].time < at(kChange + 0.5)) continue;
       ASSERT_EQ(outcome.reports[k].tracks.at(0).id, 1u) << "bias of " << bias << " sigma";
@@ -197,7 +199,7 @@ TEST_P(Guard, OfTwoSensorsThatDisagreeNoneIsLeftOutButItIsSaid) {
   const Outcome outcome = track(tracker, scansOf(2, 8.0, {1.0, 3.0}, 7));
   ASSERT_FALSE(outcome.changes.empty());
   for (const SensorChange& change : outcome.changes) EXPECT_TRUE(change.undecided);
-  for (const ScanReport& report : outcome.reports) EXPECT_EQ(report.noise_scale, 1.0);
+  for (const ScanReport& report : outcome.reports) EXPECT_TRUE(report.use.isAsStated());
 }
 
 INSTANTIATE_TEST_SUITE_P(Estimators, Guard, testing::Values(EstimatorKind::twbls, EstimatorKind::noga),
@@ -307,44 +309,6 @@ TEST(SensorGuard, RefusesParametersThatCannotWork) {
   params = {};
   params.health.noise_ratio = 0.5;
   EXPECT_THROW(SensorGuard{params}, std::invalid_argument);
-}
-
-TEST(ScanMemory, ForgetsWhatNobodyWillGoBackTo) {
-  ScanMemory<int> memory(0.5, 1.5);
-  Scan scan;
-  scan.sensor = "camera";
-  for (int k = 0; k < 10000; ++k) {
-    scan.time = at(0.01 * k);
-    const std::size_t place = memory.insert(scan);
-    memory.keepIfDue(place, k);
-    if (k % 50 == 49) {
-      const std::size_t from = memory.rollBack(place, "camera", at(0.01 * k - 1.5), 4.0);
-      EXPECT_LE(memory[from].scan.time, at(0.01 * k - (k > 200 ? 1.5 : 0.0)));
-      for (std::size_t i = from; i <= place; ++i) memory.keepAgain(i, k);
-    }
-    memory.forget(scan.time);
-    ASSERT_LE(memory.size(), 250u);
-  }
-}
-
-TEST(ScanMemory, AScanThatComesLateUndoesWhatWasGoneBackForAfterIt) {
-  ScanMemory<int> memory(0.5, 1.5);
-  Scan scan;
-  scan.sensor = "camera";
-  for (int k = 0; k < 100; ++k) {
-    scan.time = at(0.01 * k);
-    memory.keepIfDue(memory.insert(scan), k);
-  }
-  const std::size_t from = memory.rollBack(90, "camera", at(0.5), 9.0);
-  for (std::size_t i = from; i <= 90; ++i) memory.keepAgain(i, -1);
-  EXPECT_EQ(memory[60].noise_scale, 9.0);
-  scan.time = at(0.8051);
-  int state = 0;
-  const std::size_t place = memory.insert(scan);
-  const std::size_t start = memory.goBack(place, state);
-  EXPECT_LE(start, place);
-  EXPECT_EQ(state, static_cast<int>(start));  // the state from before the going back, not -1
-  EXPECT_EQ(memory[60].noise_scale, 1.0);
 }
 
 }  // namespace

@@ -81,7 +81,7 @@ TEST(SensorHealth, AHealthySensorIsUsedAsItStands) {
   Watched sensor(1);
   for (int k = 0; k < 1000; ++k) {
     ASSERT_FALSE(sensor.look(1.0, 0.0));
-    ASSERT_EQ(sensor.health.noiseScale(), 1.0);
+    ASSERT_TRUE(sensor.health.use().isAsStated());
   }
   EXPECT_FALSE(sensor.health.lastChange());
 }
@@ -98,11 +98,12 @@ TEST(SensorHealth, GrownNoiseIsSeenSizedAndForgivenWhenItIsGone) {
     EXPECT_GE(alarm->scale, 4.0);
     while (sensor.t < 8.0) sensor.look(16.0, 0.0);
     EXPECT_EQ(sensor.health.verdict(), SensorVerdict::noisy);
-    EXPECT_GT(sensor.health.noiseScale(), 4.0);
+    EXPECT_FALSE(sensor.health.use().is_excluded);
+    EXPECT_GT(sensor.health.use().noise_scale, 4.0);
     const auto recovery = sensor.lookUntilChange(1.0, 0.0, 5.0);
     ASSERT_TRUE(recovery);
     EXPECT_EQ(recovery->verdict, SensorVerdict::healthy);
-    EXPECT_EQ(sensor.health.noiseScale(), 1.0);
+    EXPECT_TRUE(sensor.health.use().isAsStated());
   }
 }
 
@@ -114,14 +115,14 @@ TEST(SensorHealth, ABiasedSensorIsLeftOutAndComesBackWhenItsBiasIsGone) {
     ASSERT_TRUE(alarm);
     EXPECT_EQ(alarm->verdict, SensorVerdict::biased);
     EXPECT_GT(alarm->bias(0), 0.3);
-    EXPECT_EQ(sensor.health.noiseScale(), std::numeric_limits<double>::infinity());
+    EXPECT_TRUE(sensor.health.use().is_excluded);
     const double left_out = sensor.t;
     while (sensor.t < left_out + 2.0) sensor.look(1.0, 1.5);
     EXPECT_EQ(sensor.health.verdict(), SensorVerdict::biased);
     // What comes while the bias goes may look like noise for a moment.
     for (int changes = 0; changes < 3 && sensor.health.verdict() != SensorVerdict::healthy; ++changes)
       EXPECT_TRUE(sensor.lookUntilChange(1.0, 0.0, 20.0));
-    EXPECT_EQ(sensor.health.noiseScale(), 1.0);
+    EXPECT_TRUE(sensor.health.use().isAsStated());
     EXPECT_GE(sensor.t - left_out, SensorHealthParams{}.least_exclusion);
   }
 }
@@ -151,7 +152,8 @@ TEST(SensorHealth, ACopyIsIndependentAndGoesOnToTheSameBits) {
   for (int k = 0; k < 100; ++k) {
     sensor.look(9.0, 0.0);
     copy.look(9.0, 0.0);
-    ASSERT_EQ(sensor.health.noiseScale(), copy.health.noiseScale());
+    ASSERT_EQ(sensor.health.use().is_excluded, copy.health.use().is_excluded);
+    ASSERT_EQ(sensor.health.use().noise_scale, copy.health.use().noise_scale);
     ASSERT_EQ(sensor.health.scale(), copy.health.scale());
   }
 }

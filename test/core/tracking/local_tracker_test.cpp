@@ -526,7 +526,7 @@ TEST(LocalTracker, ALatencyOf500MsBesideOneOf5MsChangesNothingOnceAllHasCome) {
   for (const Scan& scan : inOrder(scans)) a = in_order.onScan(scan);
   for (const auto& arrival : arrivals) {
     b = as_they_come.onScan(arrival.second);
-    EXPECT_EQ(b.dropped, "");
+    EXPECT_FALSE(b.refusal);
   }
   EXPECT_EQ(bitsOf(a), bitsOf(b));
   EXPECT_EQ(a.tracks.at(0).sources, (std::vector<std::string>{"camera", "far"}));
@@ -624,7 +624,7 @@ TEST(LocalTracker, LateScansLeaveTheSameStateToTheLastBit) {
       arrivals.emplace_back(0.01 * static_cast<double>(k) + delay(random), k);
     std::sort(arrivals.begin(), arrivals.end());
     LocalTracker shuffled{LocalTrackerParams{}};
-    for (const auto& [time, k] : arrivals) EXPECT_EQ(shuffled.onScan(scans[k]).dropped, "");
+    for (const auto& [time, k] : arrivals) EXPECT_FALSE(shuffled.onScan(scans[k]).refusal);
     Scan last = sensors[0].look(3.1, {});
     LocalTracker reference{LocalTrackerParams{}};
     for (const Scan& scan : scans) reference.onScan(scan);
@@ -637,7 +637,8 @@ TEST(LocalTracker, ScansBeyondTheLagAreDroppedAndSaidSo) {
   Sensor sensor;
   for (int k = 0; k < 100; ++k) tracker.onScan(sensor.look(0.03 * k, {kStill}));
   const ScanReport report = tracker.onScan(sensor.look(1.0, {kStill}));
-  EXPECT_NE(report.dropped.find("late"), std::string::npos) << report.dropped;
+  ASSERT_TRUE(report.refusal);
+  EXPECT_EQ(report.refusal->kind, "late") << textOf(*report.refusal);
   EXPECT_EQ(report.associations.at(0).decision, Decision::rejected_input);
   EXPECT_EQ(report.tracks.size(), 1u);
 }
@@ -648,7 +649,8 @@ TEST(LocalTracker, DuplicatesAreRecognised) {
   Scan scan;
   for (int k = 0; k < 10; ++k) tracker.onScan(scan = sensor.look(0.03 * k, {kStill}));
   const ScanReport report = tracker.onScan(scan);
-  EXPECT_NE(report.dropped.find("duplicate"), std::string::npos);
+  ASSERT_TRUE(report.refusal);
+  EXPECT_EQ(report.refusal->kind, "duplicate");
   EXPECT_EQ(report.tracks.at(0).hits, 10u);
 }
 
@@ -656,7 +658,7 @@ TEST(LocalTracker, StartedAnewInThePastItTracksOnFromThereWithNewIds) {
   LocalTracker tracker{LocalTrackerParams{}};
   Sensor sensor;
   for (int k = 0; k < 100; ++k) tracker.onScan(sensor.look(100.0 + 0.03 * k, {kStill}));
-  EXPECT_NE(tracker.onScan(sensor.look(0.0, {kStill})).dropped, "");
+  EXPECT_TRUE(tracker.onScan(sensor.look(0.0, {kStill})).refusal);
   tracker.startAnew(sensor.look(0.0, {kStill}).time);
   ScanReport report;
   for (int k = 0; k < 100; ++k) report = tracker.onScan(sensor.look(0.03 * k, {kStill}));
@@ -671,7 +673,7 @@ TEST(LocalTracker, OneSensorWithAClockInThePastDoesNotDisturbTheOthers) {
   wrong.name = "wrong";
   ScanReport report;
   for (int k = 0; k < 200; ++k) {
-    EXPECT_NE(k == 0 ? "late" : tracker.onScan(wrong.look(-50.0 + 0.03 * k, {kStill})).dropped, "");
+    if (k > 0) EXPECT_TRUE(tracker.onScan(wrong.look(-50.0 + 0.03 * k, {kStill})).refusal);
     report = tracker.onScan(good.look(0.03 * k, {kStill}));
   }
   EXPECT_EQ(confirmed(report).size(), 1u);

@@ -1,6 +1,5 @@
 #include "sightline/core/tracking/tracklet_builder.h"
 
-#include <limits>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -132,11 +131,11 @@ TEST(TrackletBuilder, NoiseScaleOfTheTrackerIsInTheCovariance) {
   TrackletBuilder builder({});
   const Scan scan = scanOf(1.0);
   ScanReport answer = tracked(scan);
-  answer.noise_scale = 4.0;
+  answer.use.noise_scale = 4.0;
   const auto report = builder.onScan(scan, answer);
   EXPECT_TRUE(report->tracklets.at(0).tracklet.sighting.covariance.isApprox(
       4.0 * scan.sightings[0].covariance, 1e-12));
-  answer.noise_scale = std::numeric_limits<double>::infinity();
+  answer.use.is_excluded = true;
   answer.time = at(1.1);
   EXPECT_TRUE(builder.onScan(scan, answer)->tracklets.empty()) << "the sensor is excluded";
 }
@@ -160,7 +159,7 @@ TEST(TrackletBuilder, SensorsOfOneTrackStayApart) {
 TEST(TrackletBuilder, DroppedScanIsNotReported) {
   TrackletBuilder builder({});
   ScanReport answer = tracked(scanOf(1.0));
-  answer.dropped = "late: too late";
+  answer.refusal = Refusal{"late", "too late"};
   EXPECT_FALSE(builder.onScan(scanOf(1.0), answer));
 }
 

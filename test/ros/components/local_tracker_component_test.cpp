@@ -85,20 +85,22 @@ TEST_F(Component, EverySightingHasItsAssociationAndBadOnesTheirReason) {
   EXPECT_NE(last.associations->associations[1].reason.find("not finite"), std::string::npos);
   EXPECT_NE(last.associations->associations[2].reason.find("degrees"), std::string::npos);
   EXPECT_EQ(last.rejected, 2u);
-  EXPECT_EQ(last.drop_reason, "");
+  EXPECT_FALSE(last.refusal);
 }
 
 TEST_F(Component, DuplicateAndLateScansAreDroppedWithTheirReason) {
   report(scanAt(10.0, {0.5}));
   report(scanAt(12.0, {0.5}));
   const auto duplicate = report(scanAt(12.0, {0.5}));
-  EXPECT_EQ(duplicate.drop_reason, "duplicate");
+  ASSERT_TRUE(duplicate.refusal);
+  EXPECT_EQ(duplicate.refusal->kind, "duplicate");
   EXPECT_FALSE(duplicate.tracks);
   ASSERT_EQ(duplicate.associations->associations.size(), 1u);
   EXPECT_EQ(duplicate.associations->associations[0].decision, sightline::Association::REJECTED_INPUT);
-  EXPECT_EQ(duplicate.associations->associations[0].reason, duplicate.drop_detail);
+  EXPECT_EQ(duplicate.associations->associations[0].reason, core::textOf(*duplicate.refusal));
   const auto late = report(scanAt(12.0 - component_.maxLag() - 0.1, {0.5}));
-  EXPECT_EQ(late.drop_reason, "late");
+  ASSERT_TRUE(late.refusal);
+  EXPECT_EQ(late.refusal->kind, "late");
 }
 
 TEST_F(Component, ScanWithoutTransformIsReportedOnceItIsGivenUp) {
@@ -108,7 +110,8 @@ TEST_F(Component, ScanWithoutTransformIsReportedOnceItIsGivenUp) {
   EXPECT_EQ(component_.waiting(), 1u);
   const auto reports = component_.onTransforms(at(10.0 + component_.tfTimeout()));
   ASSERT_EQ(reports.size(), 1u);
-  EXPECT_EQ(reports[0].drop_reason, "no transform");
+  ASSERT_TRUE(reports[0].refusal);
+  EXPECT_EQ(reports[0].refusal->kind, "no transform");
   EXPECT_EQ(reports[0].associations->associations.size(), 2u);
 }
 

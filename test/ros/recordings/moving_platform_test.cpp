@@ -177,7 +177,7 @@ Flight fly(const core::Scenario& scenario, const Faults& faults = {}, const Know
     const auto scan =
         boost::make_shared<sightline::SightingArray>(sightline_ros::toMessage(simulated->scan, kSensor));
     for (const auto& report : tracker.onScan(scan, simulated->scan.time)) {
-      EXPECT_EQ(report.drop_reason, "") << report.drop_detail;
+      EXPECT_FALSE(report.refusal) << core::textOf(*report.refusal);
       if (report.tracks) judge(scenario, *report.tracks, flight);
     }
   }

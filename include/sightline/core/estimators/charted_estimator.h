@@ -1,9 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "sightline/core/estimators/estimator.h"
 #include "sightline/core/model/chart.h"
+#include "sightline/core/model/sighting.h"
 #include "sightline/core/model/sphere.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/track_prediction.h"
@@ -17,6 +19,9 @@ class ChartedEstimator {
   /// Starts with the first tracklet of a target.
   ChartedEstimator(std::unique_ptr<Estimator> estimator, const Tracklet& first);
 
+  /// Starts with the first sighting of a target.
+  ChartedEstimator(std::unique_ptr<Estimator> estimator, const Scan& scan, const Sighting& first);
+
   ChartedEstimator(const ChartedEstimator& other);
   ChartedEstimator(ChartedEstimator&&) = default;
   ChartedEstimator& operator=(ChartedEstimator&&) = default;
@@ -28,18 +33,42 @@ class ChartedEstimator {
   /// Returns whether it moved.
   bool update(const Tracklet& tracklet, double stamp_variance = 0.0);
 
+  /// Moves to a new chart when the target is expected to leave the present one at `time`. Returns the
+  /// Jacobian of the new chart's angles by the old one's at the expected position; nullopt when it stays.
+  std::optional<Eigen::Matrix2d> follow(Time time);
+
+  /// The scan's sighting in the present chart.
+  Measurement measurementOf(const Scan& scan, const Sighting& sighting) const;
+
+  /// Updates with a measurement in the present chart, not older than the last one.
+  void update(const Measurement& measurement);
+
   /// Motion expected at `time`, in the tracking frame's angles.
   AngularState stateAt(Time time) const;
 
   /// The same in the present chart, with the chart.
-  ChartedState predict(Time time) const;
+  ChartedState predict(Time time) const { return {chart_, stateInChart(time)}; }
+
+  /// The same without the chart. It is remembered for the last `time` asked for: an estimator may be a whole
+  /// bank of filters, and several steps ask for the same instant.
+  const AngularState& stateInChart(Time time) const;
+
+  const Chart& chart() const { return chart_; }
+
+  /// Variance of the sightings' white noise over the stated one, in each coordinate of the chart [1].
+  Eigen::Vector2d noiseScale() const { return estimator_->noiseScale(); }
 
  private:
-  bool follow(Time time);
+  struct Prediction {
+    Time time;
+    AngularState state;  // in the chart
+  };
+
   Measurement measurementOf(const Tracklet& tracklet) const;
 
   Chart chart_;
   std::unique_ptr<Estimator> estimator_;
+  mutable std::optional<Prediction> last_prediction_;
 };
 
 }  // namespace sightline::core

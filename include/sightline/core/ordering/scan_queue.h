@@ -4,26 +4,13 @@
 #include <iterator>
 #include <map>
 #include <optional>
-#include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "sightline/core/model/time.h"
+#include "sightline/core/ordering/scan_order.h"
 
 namespace sightline::core {
-
-/// The order in which scans are followed: by time, at one instant by sensor, then by content, so that it
-/// never depends on the order of arrival.
-struct ScanOrder {
-  Time time{};
-  std::string sensor;
-  std::string content;  ///< tells scans of one sensor and instant apart
-
-  bool operator<(const ScanOrder& other) const {
-    return std::tie(time, sensor, content) < std::tie(other.time, other.sensor, other.content);
-  }
-};
 
 /// Puts scans into their order: holds each until none that precedes it can come any more, given that they
 /// arrive at most `max_lag` [s] after a newer one. `Item` is the scan in whatever form the caller has it.

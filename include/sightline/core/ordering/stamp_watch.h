@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 
 namespace sightline::core {
@@ -24,32 +25,32 @@ struct StampWatchParams {
 /// What is to be done after a scan has come.
 struct StampJudgement {
   struct Verdict {
-    std::uint64_t scan = 0;  ///< its number
-    std::string dropped;     ///< why it is not to be used, "kind: story"; empty = to be used
+    std::uint64_t scan = 0;          ///< its number
+    std::optional<Refusal> refusal;  ///< why it is not to be used; nullopt = to be used
   };
   std::vector<Verdict> verdicts;  ///< of this scan and of others that were held, in the order of their use;
                                   ///< none for a scan that is held
   std::optional<double>
       went_back;  ///< time went back for all, by so much [s]: before these verdicts, start anew
-  std::vector<std::string> notices;  ///< what an operator should know, each said once
+  std::vector<std::string> notices;  ///< what an operator should know, each reported once
 };
 
 /// How a sensor's stamps stand to those of the others.
 struct WatchedStamps {
   std::string sensor;
-  std::string words;  ///< "12.3 s ahead of the others': ..."; empty = they agree
+  std::string text;  ///< "12.3 s ahead of the others': ..."; empty = they agree
 };
 
 /// Watches the stamps of several sensors for clocks that jump: a recording that starts again, simulated time
-/// that is reset, one sensor's clock that steps. What one sensor's clock does must not harm the others, and
-/// what all do is followed. Time comes in with the scans.
+/// that is reset, one sensor's clock that steps. One sensor's clock must not disturb the others; what
+/// all clocks do is followed. Time comes in with the scans.
 ///
 /// Sensors whose stamps follow each other are on the line, whose front is the newest stamp. Nothing is done
 /// about scans that come within `max_lag` of the front, nor about late ones of a sensor whose own stamps go
-/// on. A sensor whose stamps leap ahead is held back: until most of the living sensors are there, too (a
+/// on. A sensor whose stamps leap ahead is held back: until most of the active sensors are there, too (a
 /// pause: all its scans are used), or until another one goes on where it was (then it is the odd one out, and
 /// its scans are dropped until it agrees again). Stamps that go back are late and nothing else, unless most
-/// of the living sensors do so: then time went back.
+/// of the active sensors do so: then time went back.
 ///
 /// For input that arrives within `max_lag` all scans are used, whatever the order of arrival.
 class StampWatch {
@@ -65,7 +66,7 @@ class StampWatch {
   /// No more scans will come: what is held is to be used.
   StampJudgement finish();
 
-  /// Every sensor that has been heard, by name.
+  /// Every sensor of which a scan has been taken, by name.
   std::vector<WatchedStamps> sensors() const;
 
   std::size_t held() const { return held_.size(); }
@@ -75,15 +76,15 @@ class StampWatch {
 
   struct Sensor {
     Place place = Place::on_line;
-    Time newest{};           // of its stamps, since they stepped last
-    double last_step = 0.0;  // between its last two stamps [s]
-    double interval = 0.0;   // the usual largest between its stamps [s]
-    Duration heard{};        // when it was heard last, on the clock `elapsed_`
-    Duration way{};          // that clock at `newest`
-    Time front_then{};       // the line's, when its stamps went back
-    int behind = 0;          // scans in a row behind the line, since its stamps went back
-    double offset = 0.0;     // how far it was off the line, last [s]
-    bool is_said = false;    // that it is off the line
+    Time newest{};             // of its stamps, since they stepped last
+    double last_step = 0.0;    // between its last two stamps [s]
+    double interval = 0.0;     // the usual largest between its stamps [s]
+    Duration last_received{};  // when its last scan came, on the clock `elapsed_`
+    Duration way{};            // that clock at `newest`
+    Time front_then{};         // the line's, when its stamps went back
+    int behind = 0;            // scans in a row behind the line, since its stamps went back
+    double offset = 0.0;       // how far it was off the line, last [s]
+    bool is_reported = false;  // that it is off the line
   };
   struct Held {
     std::uint64_t scan = 0;
@@ -91,7 +92,7 @@ class StampWatch {
     Time stamp{};
   };
 
-  void hear(Sensor& sensor, Time stamp, bool is_new);
+  void noteStamp(Sensor& sensor, Time stamp, bool is_new);
   bool isJump(const Sensor& sensor, Time stamp, bool is_new) const;
   bool isAlive(const Sensor& sensor) const;
   double aliveFor(const Sensor& sensor) const;
@@ -101,18 +102,18 @@ class StampWatch {
   void takeOnLine(std::uint64_t scan, const std::string& name, Time stamp, StampJudgement& result);
   void takeAhead(std::uint64_t scan, const std::string& name, Time stamp, StampJudgement& result);
   void takeBehind(std::uint64_t scan, const std::string& name, Time stamp, StampJudgement& result);
-  void settleHeld(const std::string& name, Time stamp, StampJudgement& result);
-  void comeBack(const std::string& name, Sensor& sensor, StampJudgement& result);
+  void resolveHeld(const std::string& name, Time stamp, StampJudgement& result);
+  void rejoin(const std::string& name, Sensor& sensor, StampJudgement& result);
   void goAhead(Time stamp, StampJudgement& result);
-  void goBack(const std::string& name, Time stamp, StampJudgement& result);
-  void sayOff(const std::string& name, Sensor& sensor, Place place, StampJudgement& result);
-  std::string wordsOf(const Sensor& sensor) const;
+  void restartLine(const std::string& name, Time stamp, StampJudgement& result);
+  void reportOff(const std::string& name, Sensor& sensor, Place place, StampJudgement& result);
+  std::string offsetText(const Sensor& sensor) const;
 
   StampWatchParams params_;
   std::map<std::string, Sensor> sensors_;
   std::vector<Held> held_;     // in order of arrival
   std::optional<Time> front_;  // newest stamp on the line
-  Duration elapsed_{};         // how long sensors have been heard, by their own stamps
+  Duration elapsed_{};         // how long scans have been coming, by the sensors' own stamps
 };
 
 /// A StampWatch and the scans that it holds, in whatever form the caller has them.
@@ -121,7 +122,7 @@ class StampGate {
  public:
   struct Passed {
     Item item;
-    std::string dropped;  ///< empty = to be used
+    std::optional<Refusal> refusal;  ///< nullopt = to be used
   };
   struct Result {
     std::vector<Passed> passed;  ///< in the order of their use
@@ -146,7 +147,7 @@ class StampGate {
     Result result{{}, judgement.went_back, std::move(judgement.notices)};
     for (StampJudgement::Verdict& verdict : judgement.verdicts) {
       const auto item = items_.find(verdict.scan);
-      result.passed.push_back({std::move(item->second), std::move(verdict.dropped)});
+      result.passed.push_back({std::move(item->second), std::move(verdict.refusal)});
       items_.erase(item);
     }
     return result;

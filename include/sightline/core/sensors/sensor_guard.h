@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -16,23 +15,25 @@
 
 namespace sightline::core {
 
-/// The guard against sensors that harm (section 5.1), over all sensors of a tracker.
+/// The guard against faulty sensors (section 5.1), over all sensors of a tracker.
 struct GuardParams {
   bool enabled = true;
   SensorHealthParams health;
   ClockOffsetParams clock;
-  double roll_back = 1.5;  ///< how far back after an alarm a sensor's scans are followed again [s], >= 0
-  double support = 2.5;    ///< silence after which a sensor no longer vouches for a track [s], > 0
-  double reach = 100.0;    ///< distance from a track up to which a stray sighting may be its own [sigma], > 0
+  double roll_back = 1.5;  ///< how far back after an alarm a sensor's scans are processed again [s], >= 0
+  double support = 2.5;    ///< silence after which a sensor no longer corroborates a track [s], > 0
+  double reach =
+      100.0;  ///< distance from a track up to which an unassociated sighting may be its own [sigma], > 0
 };
 
-/// What the guard thinks of one sensor.
+/// The guard's verdict on one sensor.
 struct WatchedSensor {
   std::string sensor;
   SensorVerdict verdict = SensorVerdict::healthy;
   bool undecided =
       false;  ///< only one other sensor sees its targets: either may be to blame, nothing is done
-  double noise_scale = 1.0;          ///< factor on the stated variances; infinity = not used
+  double noise_scale = 1.0;          ///< factor on the stated variances of sightings that are used
+  bool is_excluded = false;          ///< its sightings are not used
   std::optional<ClockOffset> clock;  ///< by how much its clock is behind the others', where that is certain
   bool clock_undecided = false;      ///< of two clocks that differ, either may be wrong
   std::optional<HealthChange> last;  ///< the last change of the verdict
@@ -45,38 +46,38 @@ struct SensorChange {
   bool undecided = false;
 };
 
-/// How far a track can be a yardstick for a sensor.
+/// How far a track corroborates a sensor's sightings.
 struct Corroboration {
   bool has_sensor = false;  ///< the sensor itself gave it sightings lately
   int others = 0;           ///< further sensors that gave it sightings lately and are in use
-  Eigen::Vector2d shared = Eigen::Vector2d::Zero();  ///< middle of their mean innovations, lately [rad]
+  Eigen::Vector2d shared =
+      Eigen::Vector2d::Zero();  ///< signed median of their mean innovations, lately [rad]
 };
 
 /// The median, and zero where the two in the middle are of different signs: what most agree on. Sorts the
 /// values.
 double signedMedian(double* values, int count);
 
-/// Watches the sensors of one tracker. Plain state: it is copied with the tracker's state and goes back in
-/// time with it.
+/// Watches the sensors of one tracker. Plain state: it is copied with the tracker's state and rolled
+/// back with it.
 class SensorGuard {
  public:
   /// Throws std::invalid_argument for parameters out of range.
   explicit SensorGuard(const GuardParams& params);
 
-  /// Factor on the stated variances of a sensor's sightings: 1 while it is healthy, infinity while they are
-  /// not to be used.
-  double noiseScale(const std::string& sensor) const;
+  /// How the sightings of a sensor are to be used: as stated while it is healthy.
+  SensorUse useOf(const std::string& sensor) const;
 
-  /// Whether the factor is other than 1 for any sensor.
+  /// Whether any sensor is not used as it states.
   bool holdsAnything() const;
 
-  bool isExcluded(const std::string& sensor) const { return std::isinf(noiseScale(sensor)); }
+  bool isExcluded(const std::string& sensor) const { return useOf(sensor).is_excluded; }
 
   /// Mean square by which the sensor's stamps are off [s^2]; zero while its clock is not known to be wrong,
   /// and while it may as well be the only other one's.
   double clockVariance(const std::string& sensor) const;
 
-  /// Whether a sensor that has been silent for so long [s] can still be held against others.
+  /// Whether a sensor that has been silent for so long [s] can still corroborate others.
   bool mayCorroborate(const std::string& sensor, double silence) const {
     return sees(silence) && !isExcluded(sensor);
   }
@@ -91,9 +92,9 @@ class SensorGuard {
   /// Takes a scan against what the tracks expected; `corroboration` for each prediction. Nothing is judged
   /// yet.
   void watch(const Scan& scan, const std::vector<TrackPrediction>& predictions,
-             const AssociationResult& pairing, const std::vector<Corroboration>& corroboration);
+             const AssociationResult& result, const std::vector<Corroboration>& corroboration);
 
-  /// Says when what the sensor's scans told up to `time` changes its verdict.
+  /// The change of the sensor's verdict by its scans up to `time`, if it changes.
   std::optional<SensorChange> judge(Time time, const std::string& sensor);
 
   /// Takes the verdict on the sensor back, as another one turned out to be to blame, and watches it anew.
@@ -117,10 +118,10 @@ class SensorGuard {
     ClockWatch clock;
     std::optional<ClockOffset> wrong_clock = std::nullopt;
     bool clock_undecided = false;
-    bool decides = false;    // whether there were others enough to tell who is to blame, at the last scan
+    bool decides = false;    // whether there were others enough to find who is to blame, at the last scan
     bool undecided = false;  // the present verdict
-    Time last_told{};        // when there was something to hold it against, last
-    double clutter = 0.0;    // mean number of stray sightings in reach of a track that has its own
+    Time last_compared{};    // when it could be compared with others, last
+    double clutter = 0.0;    // mean number of unassociated sightings in reach of a track that has its own
     int scans = 0;           // of which that is the mean
   };
 

@@ -15,6 +15,14 @@ enum class SensorVerdict {
   biased  ///< it is off to one side: not used
 };
 
+/// How a sensor's sightings are used.
+struct SensorUse {
+  bool is_excluded = false;
+  double noise_scale = 1.0;  ///< factor on the stated variances of sightings that are used, > 0
+
+  bool isAsStated() const { return !is_excluded && noise_scale == 1.0; }
+};
+
 /// How an alarm is interpreted.
 enum class HealthForm {
   specified,  ///< noise or bias by the sum that gave the alarm
@@ -101,9 +109,9 @@ class SensorHealth {
 
   SensorVerdict verdict() const { return verdict_; }
 
-  /// Factor on the stated variance with which the sensor is to be used: 1, or >= 1 where its noise has
-  /// grown, infinity where it is not to be used.
-  double noiseScale() const;
+  /// How the sensor is to be used: with a noise scale >= 1 where its noise has grown, not at all where it is
+  /// biased.
+  SensorUse use() const;
 
   /// The last change; none before the first.
   const std::optional<HealthChange>& lastChange() const { return last_change_; }

@@ -12,11 +12,11 @@ namespace sightline::core {
 /// copied with the tracker's.
 class DuplicateTracks {
  public:
-  /// Takes what the believed tracks expected of a scan, and what they got of it. Returns the ids of the
+  /// Takes the predictions of the established tracks for a scan, and its association. Returns the ids of the
   /// tracks that have been so together with another for `scans` scans in which one of them was seen; of each
   /// pair, the younger (higher id), ascending.
   std::vector<std::uint32_t> watch(const std::vector<TrackPrediction>& predictions,
-                                   const AssociationResult& pairing, int scans);
+                                   const AssociationResult& result, int scans);
 
  private:
   struct Pair {

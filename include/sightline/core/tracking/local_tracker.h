@@ -2,20 +2,24 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "sightline/core/association/association.h"
 #include "sightline/core/association/gate.h"
 #include "sightline/core/estimators/estimators.h"
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/sighting.h"
 #include "sightline/core/model/track.h"
-#include "sightline/core/ordering/scan_memory.h"
+#include "sightline/core/ordering/scan_order.h"
+#include "sightline/core/ordering/timeline.h"
 #include "sightline/core/sensors/detection_calibration.h"
 #include "sightline/core/sensors/noise_calibration.h"
+#include "sightline/core/sensors/sensor_changes.h"
 #include "sightline/core/sensors/sensor_guard.h"
 #include "sightline/core/tracking/duplicate_tracks.h"
 #include "sightline/core/tracking/live_track.h"
+#include "sightline/core/tracking/track_lifecycle.h"
 
 namespace sightline::core {
 
@@ -33,24 +37,24 @@ struct LocalTrackerParams {
   int max_sightings = 10000;  ///< of one scan; the rest is rejected, >= 1
 };
 
-/// What a tracker says after a scan.
+/// What a tracker reports after a scan.
 struct ScanReport {
   Time time{};                            ///< of `tracks`: the newest scan's
   std::vector<Track> tracks;              ///< ascending id, in the tracking frame, valid at `time`
   std::vector<Association> associations;  ///< one for each sighting of this scan, in its order
-  double noise_scale = 1.0;               ///< factor on the variances with which the sightings were used
-  std::vector<SensorChange> changes;      ///< of sensors' verdicts, that had not been said before
-  std::string dropped;                    ///< why the scan was not used (late, duplicate); empty if it was
+  SensorUse use;                          ///< of the sightings, with what has been learnt of their noise
+  std::vector<SensorChange> changes;      ///< of sensors' verdicts, not reported before
+  std::optional<Refusal> refusal;         ///< why the scan was not used: late, duplicate
 };
 
 /// Tracks targets with the sightings of one sensor or of several. Scans come in the tracking frame, in any
-/// order within `max_lag`: for a late one the tracker goes back and tracks again from there, so that the
-/// state after it is the same as in order, to the last bit. Ids of tracks that had been started after the
-/// late scan may be given anew by this.
+/// order within `max_lag`: for a late one the tracker rolls back and processes the scans from there again, so
+/// that the state after it is the same as in order, to the last bit. Ids of tracks that had been started
+/// after the late scan may be given anew by this.
 ///
 /// Where several sensors see a target, each is watched against the others (SensorGuard): one whose noise
-/// grows is used with that noise, one that is biased is not used until it has recovered, and the tracker goes
-/// back to when the change began. With one sensor nothing can be told, and nothing is done.
+/// grows is used with that noise, one that is biased is not used until it has recovered, and the tracker
+/// rolls back to when the change began. With one sensor nothing can be compared, and nothing is done.
 ///
 /// What the sensors' noise really is, is learnt (NoiseCalibration, and NoiseLearning in each track). Where it
 /// is less than stated, the rest of the stated variance is taken for an error that varies too slowly to be
@@ -63,11 +67,10 @@ class LocalTracker {
   /// reason. Stamps that jump are the business of a StampWatch before it.
   ScanReport onScan(const Scan& scan);
 
-  /// Time went back to `time`: gives the tracks and everything learnt up, and tracks on from there. Ids go
-  /// on.
+  /// Time went back to `time`: deletes the tracks and everything learnt, and tracks on from there. Ids go on.
   void startAnew(Time time);
 
-  /// What is thought of each sensor that has been compared with others, by name.
+  /// Verdicts on the sensors that have been compared with others, by name.
   std::vector<WatchedSensor> sensors() const { return state_.guard.sensors(); }
 
   /// What has been learnt of each sensor's noise, by name.
@@ -90,40 +93,43 @@ class LocalTracker {
   };
 
   /// A scan beside what the tracks expected of it.
-  struct Look {
+  struct AssociatedScan {
+    Scan scan;  // with its sensor's noise as it has been learnt
+    Scan used;  // with the noise of the sensor's verdict as well
+    bool is_excluded = false;
     std::vector<TrackPrediction> predictions;
-    AssociationResult pairing;
+    AssociationResult result;
     std::vector<Corroboration> corroboration;  // for each prediction; empty while the guard is off
   };
 
   State firstState(Time time, std::uint32_t next_id) const;
-  std::string refusalOf(const Scan& scan) const;
+  std::optional<Refusal> refusalOf(const Scan& scan) const;
 
-  void putInPlace(const Scan& scan, ScanReport& result);
-  std::vector<Association> follow(std::size_t k);
-  std::vector<Association> followAgain(std::size_t k, const SensorChange& change);
-  void note(const SensorChange& change);
-  std::vector<SensorChange> newChanges();
+  std::vector<Association> putInPlace(const Scan& scan, ScanReport& result);
+  std::vector<Association> processNext();
+  std::vector<Association> processAgain(const SensorChange& change);
 
-  Look lookAt(const Scan& scan, double noise_scale);
-  std::vector<Association> settle(const Scan& scan, double noise_scale, Look& look);
-  void leaveOut(const Scan& scan, Look& look) const;
+  AssociatedScan predictAndAssociate(std::size_t k);
+  std::vector<TrackPrediction> predict(const Scan& scan);
   Scan calibrated(const Scan& scan) const;
+  void watch(const AssociatedScan& associated);
+
+  std::vector<Association> updateTracks(AssociatedScan& associated);
+  void leaveOut(AssociatedScan& associated) const;
+  std::vector<std::uint32_t> updateOrMiss(const AssociatedScan& associated);
   void calibrate(const Scan& scan, const Sighting& sighting, const LiveTrack& track,
                  const TrackPrediction& prediction);
-  std::vector<TrackPrediction> predict(const Scan& scan);
-  std::vector<std::uint32_t> update(const Scan& scan, const Look& look, bool is_excluded);
-  void learnDetection(const Scan& scan, const Look& look);
-  void mergeDuplicates(const Look& look);
-  void reacquire(const Scan& scan, std::uint32_t id, AssociationResult& pairing);
-  void start(const Scan& scan, AssociationResult& pairing);
-  void deleteTracks(Time time);
+  void learnDetection(const AssociatedScan& associated);
+  void reacquire(std::uint32_t id, AssociatedScan& associated);
+  void startTracks(AssociatedScan& associated);
+  void deleteDuplicates(const AssociatedScan& associated);
+  void deleteTracks();
   std::vector<Track> report() const;
 
   LocalTrackerParams params_;
   State state_;
-  ScanMemory<State> memory_;
-  std::vector<SensorChange> told_;  // the last changes that were reported
+  Timeline<Scan, SensorUse, State> scans_;
+  SensorChangeReporter reporter_;
 };
 
 }  // namespace sightline::core

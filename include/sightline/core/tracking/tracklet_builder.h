@@ -20,9 +20,9 @@ struct TrackletParams {
   CompressionParams compression;
 };
 
-/// Collects what a local tracker's tracks take, and says it as tracklets. Those of tentative tracks too, so
-/// that a fusion which hears of a track knows all that the track knows. A late sighting makes a later
-/// tracklet.
+/// Collects the sightings with which a local tracker's tracks are updated and reports them as tracklets:
+/// those of tentative tracks too, so that a fusion that receives a track has all the information in it. A
+/// late sighting makes a later tracklet.
 class TrackletBuilder {
  public:
   /// Throws std::invalid_argument for a parameter out of range.

@@ -11,6 +11,7 @@
 #include <sightline/TrackletArray.h>
 #include <tf2/buffer_core.h>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/ordering/stamp_watch.h"
 #include "sightline/core/tracking/local_tracker.h"
@@ -20,16 +21,15 @@
 
 namespace sightline_ros {
 
-/// What a local tracker says of one scan.
+/// What a local tracker reports of one scan.
 struct TrackerReport {
   sightline::SightingArray::ConstPtr scan;
   sightline::TrackArray::Ptr tracks;              ///< null when the scan was dropped
   sightline::TrackletArray::Ptr tracklets;        ///< null when none are due; to be sent before the tracks
   sightline::AssociationArray::Ptr associations;  ///< every sighting of the scan, whether it was used or not
   std::size_t rejected = 0;                       ///< sightings with REJECTED_INPUT
-  std::string drop_reason;                        ///< short and of few kinds; empty when the scan was used
-  std::string drop_detail;                        ///< the whole story
-  std::vector<sightline::core::SensorChange> changes;  ///< of what is thought of a sensor; mostly none
+  std::optional<sightline::core::Refusal> refusal;     ///< why the scan was not used
+  std::vector<sightline::core::SensorChange> changes;  ///< of sensors' verdicts; mostly none
   std::string notice;      ///< what else an operator must know (stamps that jump); mostly empty
   bool went_back = false;  ///< time went back: everything was started anew before this scan
 };
@@ -55,13 +55,13 @@ class LocalTrackerComponent {
   /// Tracklets that wait for a scan that does not come; null when nothing has to be sent by now.
   sightline::TrackletArray::Ptr overdueTracklets(sightline::core::Time now);
 
-  /// Gives everything up and tracks on from `time`: time went back.
+  /// Time went back to `time`: deletes everything and tracks on from there.
   void startAnew(sightline::core::Time time);
 
   /// How the stamps of each sensor stand to the others'.
   std::vector<sightline::core::WatchedStamps> stamps() const { return stamps_.sensors(); }
 
-  /// What is thought of each sensor that has been compared with others.
+  /// Verdicts on the sensors that have been compared with others.
   std::vector<sightline::core::WatchedSensor> sensors() const { return tracker_.sensors(); }
 
   /// What has been learnt of each sensor's noise.
@@ -89,6 +89,9 @@ class LocalTrackerComponent {
 
   void admit(FramedScan framed, sightline::core::Time now, std::vector<TrackerReport>& reports);
   TrackerReport track(FramedScan& framed);
+  TrackerReport refuse(FramedScan& framed, sightline::core::Refusal refusal, const std::string& reason) const;
+  TrackerReport withAssociations(TrackerReport report, FramedScan& framed,
+                                 std::vector<sightline::core::Association> associations) const;
   sightline::TrackArray::Ptr trackArray(const sightline::core::ScanReport& report) const;
   sightline::TrackletArray::Ptr trackletArray(std::optional<sightline::core::TrackletReport> report) const;
 

@@ -18,8 +18,8 @@
 
 namespace sightline_ros {
 
-/// What an operator is told about a local tracker: rates and latencies by sensor, drops by reason, age of the
-/// last sighting, tracks by status. Times are the clock's, handed in.
+/// What is reported to an operator about a local tracker: rates and latencies by sensor, drops by reason, age
+/// of the last sighting, tracks by status. Times are the clock's, handed in.
 class LocalTrackerHealth {
  public:
   /// Reads `silence` of this level [s].

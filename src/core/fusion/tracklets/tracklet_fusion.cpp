@@ -1,13 +1,12 @@
 #include "sightline/core/fusion/tracklets/tracklet_fusion.h"
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 namespace sightline::core {
 namespace {
 
-constexpr double kOwnerSilence = 0.5;  // after which another supporter speaks for a sensor [s]
+constexpr double kOwnerSilence = 0.5;  // after which another supporter reports for a sensor [s]
 constexpr double kMostBias = 6.0;      // of a sensor that still sees the same target [sigma]
 
 }  // namespace
@@ -26,12 +25,12 @@ void TrackletFusion::feed(const Supporter& supporter, const TrackletMemory& memo
     const TrackletMemory::Remembered& it = *next;
     if (it.tracklet.time > supporter.reported) return;
     fed = it.number;
-    if (speaksFor(supporter.key, it.tracklet) && !track_.add(supporter.key, it.number, it.tracklet)) ++late_;
+    if (reportsFor(supporter.key, it.tracklet) && !track_.add(supporter.key, it.number, it.tracklet)) ++late_;
   }
 }
 
-/// Whether the supporter is the one whose tracklets of this sensor are taken.
-bool TrackletFusion::speaksFor(const LocalKey& supporter, const Tracklet& tracklet) {
+/// Whether the supporter is the one whose tracklets of this sensor are used.
+bool TrackletFusion::reportsFor(const LocalKey& supporter, const Tracklet& tracklet) {
   const auto [it, is_new] = owners_.try_emplace(tracklet.sensor, Owner{supporter, tracklet.time});
   Owner& owner = it->second;
   if (!(owner.supporter == supporter)) {
@@ -68,7 +67,7 @@ std::map<LocalKey, double> TrackletFusion::shares() const {
   return shares;
 }
 
-/// Those for which this supporter speaks.
+/// Those for which this supporter reports.
 std::vector<WatchedSensor> TrackletFusion::sensorsOf(const LocalKey& supporter) const {
   std::vector<WatchedSensor> sensors;
   for (WatchedSensor& watched : track_.sensors()) {
@@ -82,7 +81,7 @@ std::string TrackletFusion::whyExcluded(const LocalKey& supporter) const {
   if (!track_.holdsAnything()) return {};
   const std::vector<WatchedSensor> sensors = sensorsOf(supporter);
   const auto is_off = [](const WatchedSensor& watched) {
-    return std::isinf(watched.noise_scale) && watched.last && watched.last->bias.matrix().norm() <= kMostBias;
+    return watched.is_excluded && watched.last && watched.last->bias.matrix().norm() <= kMostBias;
   };
   if (sensors.empty() || !std::all_of(sensors.begin(), sensors.end(), is_off)) return {};
   std::ostringstream why;
@@ -98,7 +97,7 @@ double TrackletFusion::noiseScale(const LocalKey& supporter) const {
   if (!track_.holdsAnything()) return 1.0;
   double largest = 1.0;
   for (const WatchedSensor& watched : sensorsOf(supporter)) {
-    if (std::isfinite(watched.noise_scale)) largest = std::max(largest, watched.noise_scale);
+    if (!watched.is_excluded) largest = std::max(largest, watched.noise_scale);
   }
   return largest;
 }

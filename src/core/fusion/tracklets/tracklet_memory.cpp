@@ -30,7 +30,7 @@ std::string TrackletMemory::take(const TrackletReport& report) {
   return {};
 }
 
-/// A report speaks for the time from the one before, or from ever, to its own.
+/// A report covers the time from the one before, or from ever, to its own.
 void TrackletMemory::noteSpan(Tracker& tracker, bool is_known, const TrackletReport& report) const {
   const Time ever = report.time - durationOf(params_.age);
   const Time from = report.since.value_or(ever);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -13,15 +12,17 @@
 #include "sightline/core/model/sphere.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/tracklet.h"
+#include "sightline/core/ordering/timeline.h"
+#include "sightline/core/sensors/sensor_changes.h"
 #include "sightline/core/sensors/sensor_guard.h"
 
 namespace sightline::core {
 
 /// An estimator that is given tracklets of several sensors in order of time, and watches those sensors: on an
-/// alarm (section 5.1) it goes back to when the change began and on from there as if it had known. As a
-/// sensor that is off pulls the estimate with it and makes the others look wrong, the one is blamed without
-/// which all that was seen since is the likeliest. Plain state: what it is depends on what it was given and
-/// on nothing else. Copies are independent.
+/// alarm (section 5.1) it rolls back to when the change began and takes what came since with that knowledge.
+/// As a sensor that is off pulls the estimate with it and makes the others look wrong, the one is blamed
+/// without which all that was seen since is the likeliest. Plain state: what it is depends on what it was
+/// given and on nothing else. Copies are independent.
 class GuardedEstimator {
  public:
   /// Gives a tracklet that was taken before, so many takes ago; 1 = the last one.
@@ -43,18 +44,17 @@ class GuardedEstimator {
   /// Motion expected at `time`, in the tracking frame's angles; nullopt before the first tracklet.
   std::optional<AngularState> stateAt(Time time) const;
 
-  /// Factor on the stated covariance with which the tracklet taken so many takes ago counts; infinity = it
-  /// does not.
-  double noiseScale(std::size_t back) const;
+  /// How the tracklet taken so many takes ago was used.
+  SensorUse useOf(std::size_t back) const;
 
   /// How many of the tracklets taken may be needed again.
-  std::size_t reach() const { return scales_.size(); }
+  std::size_t reach() const { return taken_.next(); }
 
-  /// The sensors seen lately that were held against others.
+  /// Verdicts on the sensors of the last tracklets that were compared with others.
   std::vector<WatchedSensor> sensors() const;
 
-  /// Whether anything is held against any sensor: a noise scale other than 1.
-  bool holdsAnything() const { return guard_.holdsAnything(); }
+  /// Whether any sensor is not used as it states.
+  bool holdsAnything() const { return state_.guard.holdsAnything(); }
 
   /// Whether enough sensors are in use to tell which of them is to blame.
   bool decides() const;
@@ -66,45 +66,42 @@ class GuardedEstimator {
   struct Settings {
     EstimatorParams estimator;
     GuardParams guard;
-    double keep;  // [s]
   };
   struct Seen {
     std::string sensor;
     Time last;
     Eigen::Vector2d innovation = Eigen::Vector2d::Zero();  // mean of the last ones, in the chart [rad]
   };
-  /// What it was before a tracklet, without what lies further back.
-  struct Moment {
-    Time time;          // of that tracklet
-    Time last;          // of the one before
-    std::size_t taken;  // tracklets before
+  /// What a tracklet changes.
+  struct State {
     std::optional<ChartedEstimator> estimator;
     SensorGuard guard;
     std::vector<Seen> seen;
+    std::size_t taken = 0;  // tracklets
+    Time last{};            // of them
+  };
+  /// When a tracklet was taken; the tracklet itself is the owner's (Past).
+  struct Instant {
+    Time time;
+
+    friend Time timeOf(const Instant& instant) { return instant.time; }
+    friend bool precedes(const Instant& a, const Instant& b) { return a.time < b.time; }
   };
 
-  void keepMoment(Time next);
+  void keepState();
   void watch(const Tracklet& tracklet);
-  void note(const SensorChange& change);
-  std::size_t momentAt(Time time) const;
   Time rollBackTo(const SensorChange& change) const;
   bool isToBlame(const SensorChange& change, const Past& past) const;
   double evidenceAgainst(const std::string& sensor, Time began, const Past& past) const;
-  void goBack(const Tracklet& next, const SensorChange& change, const Past& past);
-  void restore(const Moment& moment);
+  void rollBack(const SensorChange& change, const Past& past);
   void see(const Tracklet& tracklet);
-  void settle(const Tracklet& tracklet, double noise_scale);
+  void update(const Tracklet& tracklet, const SensorUse& use);
   Corroboration corroborationOf(const Tracklet& tracklet) const;
 
   std::shared_ptr<const Settings> settings_;
-  std::optional<ChartedEstimator> estimator_;
-  SensorGuard guard_;
-  std::vector<Seen> seen_;
+  State state_;
   std::vector<SensorChange> changes_;
-  std::size_t taken_ = 0;                              // tracklets
-  Time last_{};                                        // of them
-  std::deque<double> scales_;                          // with which the last of them were used
-  std::deque<std::shared_ptr<const Moment>> moments_;  // `scales_` begin with the first
+  Timeline<Instant, SensorUse, State> taken_;  // empty while the guard is off
 };
 
 }  // namespace sightline::core

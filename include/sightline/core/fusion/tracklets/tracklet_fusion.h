@@ -21,8 +21,8 @@ struct TrackletFusionParams {
   EstimatorParams estimator;  ///< of the global tracks
   double max_lag = 1.0;  ///< tracklets up to so much older than the newest are put in their place [s], > 0
   double memory = 1.0;   ///< time that counts for `max_missing` [s], > 0
-  /// Share of what the sources have sighted within `memory` that may be lost before other rules know more, in
-  /// [0, 1].
+  /// Share of what the sources have sighted within `memory` that may be lost before other rules have more
+  /// information, in [0, 1].
   double max_missing = 0.25;
   GuardParams guard;  ///< of each global track's sensors
 };
@@ -37,32 +37,32 @@ class TrackletFusion {
   /// found to support the target.
   void feed(const Supporter& supporter, const TrackletMemory& memory);
 
-  /// What the supporter said before then was of another target, and is never taken.
+  /// The supporter's tracklets before then were of another target: they are never used.
   void passOver(const LocalKey& supporter, Time before, const TrackletMemory& memory);
 
-  /// Takes back what the supporter said since then; a later `feed` may bring it again.
+  /// Takes the supporter's tracklets since then out again; a later `feed` may bring them back.
   void takeBack(const LocalKey& supporter, Time since);
 
-  /// The supporter is gone: others may speak for its sensors. What it said stays.
+  /// The supporter is gone: others may report for its sensors. Its tracklets stay.
   void leave(const LocalKey& supporter);
 
-  /// What all tracklets up to `time` say, in the tracking frame; nullopt without any.
+  /// Estimate from all tracklets up to `time`, in the tracking frame; nullopt without any.
   std::optional<AngularState> stateAt(Time time) { return track_.stateAt(time); }
 
   /// Each supporter's share in the information of the last moments, summing to one; of those that gave any.
   std::map<LocalKey, double> shares() const;
 
-  /// The sensors heard lately and what is thought of them, by name.
+  /// Verdicts on the sensors of the last tracklets, by name.
   std::vector<WatchedSensor> sensors() const { return track_.sensors(); }
 
-  /// Changes of verdicts that have not been told yet.
+  /// Changes of verdicts that have not been reported yet.
   std::vector<SensorChange> newChanges() { return track_.newChanges(); }
 
   /// Whether a source that contradicts the others can be left to the guard.
   bool canTellWhoIsWrong() const { return track_.canTellWhoIsWrong(); }
 
-  /// Why nothing that the supporter says is used ("biased: details"): all its sensors are off, by not so much
-  /// that it must be another target. Empty when it is used.
+  /// Why none of the supporter's tracklets is used ("biased: details"): all its sensors are off, by not so
+  /// much that it must be another target. Empty when it is used.
   std::string whyExcluded(const LocalKey& supporter) const;
 
   /// By how much the variances of the supporter's track are to be taken larger, as its sensors are noisier
@@ -78,7 +78,7 @@ class TrackletFusion {
   };
 
   std::vector<WatchedSensor> sensorsOf(const LocalKey& supporter) const;
-  bool speaksFor(const LocalKey& supporter, const Tracklet& tracklet);
+  bool reportsFor(const LocalKey& supporter, const Tracklet& tracklet);
 
   TrackletTrack track_;
   std::map<LocalKey, std::uint64_t> fed_;  // by supporter: number of the last tracklet taken

@@ -19,10 +19,10 @@ struct TrackletMemoryParams {
   int max_trackers = 32;  ///< reports of further trackers are refused, >= 1
 };
 
-/// What the local trackers have said in tracklets lately, and what of it was lost on the way.
+/// The tracklets that the local trackers have reported lately, and what of them was lost on the way.
 class TrackletMemory {
  public:
-  /// A tracklet with its place among all that its tracker has said: rising, never used again.
+  /// A tracklet with its number among all that its tracker has reported: rising, never reused.
   struct Remembered {
     std::uint64_t number = 0;
     Tracklet tracklet;
@@ -30,14 +30,14 @@ class TrackletMemory {
 
   explicit TrackletMemory(const TrackletMemoryParams& params) : params_(params) {}
 
-  /// Takes a report. Returns why it was refused ("kind: details"), or nothing. One that says it is its
+  /// Takes a report. Returns why it was refused ("kind: details"), or nothing. One that is its
   /// tracker's first, and was not overtaken by later ones, wipes out what was known of the tracker.
   std::string take(const TrackletReport& report);
 
   /// What is remembered of a local track, in the order in which it came; null when nothing is.
   const std::deque<Remembered>* find(const LocalKey& key) const;
 
-  /// Up to when the tracker has said everything; nullopt when it sends no tracklets.
+  /// Up to when the tracker has reported everything; nullopt when it sends no tracklets.
   std::optional<Time> newest(const std::string& tracker) const;
 
   /// How much of the time from `from` to the tracker's newest report nothing is known of, as reports were
@@ -50,7 +50,7 @@ class TrackletMemory {
   };
   struct Tracker {
     Time newest{};
-    std::vector<Gap> gaps;  // in order of time; nothing was heard of what was sighted in them
+    std::vector<Gap> gaps;  // in order of time; no report of what was sighted in them has come
     std::map<std::uint32_t, std::deque<Remembered>> tracks;
   };
 

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -13,14 +12,17 @@
 #include "sightline/core/model/sphere.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/tracklet.h"
+#include "sightline/core/ordering/scan_order.h"
+#include "sightline/core/ordering/timeline.h"
+#include "sightline/core/sensors/sensor_changes.h"
 #include "sightline/core/sensors/sensor_guard.h"
 
 namespace sightline::core {
 
 /// One target as an estimator sees it that is given the tracklets of all its sources, each in its place in
-/// time: for a late one it goes back and runs again from there, so that the order of arrival changes nothing,
-/// to the last bit. Its sensors are watched: what one of them said since it is noisy or biased counts less or
-/// not at all (section 5.1).
+/// time: for a late one it rolls back and runs again from there, so that the order of arrival changes
+/// nothing, to the last bit. Its sensors are watched: the tracklets of one of them since it is noisy or
+/// biased count less or not at all (section 5.1).
 class TrackletTrack {
  public:
   /// `max_lag`: tracklets up to so much older than the newest are put in their place [s], >= 0.
@@ -32,52 +34,51 @@ class TrackletTrack {
   TrackletTrack& operator=(const TrackletTrack&) = delete;
   ~TrackletTrack() = default;
 
-  /// Takes a tracklet of a local track, the `number`-th that its tracker said. One that is here already is
-  /// not taken again. False when it is too late.
+  /// Takes a tracklet of a local track, the `number`-th that its tracker reported. One that is here already
+  /// is not taken again. False when it is too late.
   bool add(const LocalKey& source, std::uint64_t number, const Tracklet& tracklet);
 
-  /// Forgets what a source said since then, as far back as `max_lag` allows. Returns the least number of
-  /// those forgotten.
+  /// Takes out the tracklets of a source since then, as far back as `max_lag` allows. Returns the least
+  /// number of those taken out.
   std::optional<std::uint64_t> remove(const LocalKey& source, Time since);
 
-  /// What the tracklets up to `time` say of the target then, in the tracking frame; nullopt before the first.
+  /// Estimate from the tracklets up to `time`, in the tracking frame; nullopt before the first.
   /// Times do not go back.
   std::optional<AngularState> stateAt(Time time);
 
   /// How much information each source has given since `max_lag` ago, as it was used [1/rad^2].
   std::map<LocalKey, double> informationBySource() const;
 
-  /// The sensors seen lately and what is thought of them.
+  /// Verdicts on the sensors of the last tracklets.
   std::vector<WatchedSensor> sensors() const { return estimator_.sensors(); }
 
-  /// Whether anything is held against any sensor.
+  /// Whether any sensor is not used as it states.
   bool holdsAnything() const { return estimator_.holdsAnything(); }
 
   /// Whether enough sensors are in use to tell which of them is to blame for a disagreement.
   bool canTellWhoIsWrong() const { return estimator_.decides(); }
 
-  /// Changes of verdicts that have not been told yet.
-  std::vector<SensorChange> newChanges();
+  /// Changes of verdicts that have not been reported yet.
+  std::vector<SensorChange> newChanges() { return reporter_.unreported(estimator_.changes()); }
 
  private:
-  struct Entry {
+  /// What a source reported. How it is used is the estimator's knowledge.
+  struct Report {
     LocalKey source;
     std::uint64_t number;
     Tracklet tracklet;
-    std::unique_ptr<GuardedEstimator> before;  // kept now and then
-  };
 
-  void goBackTo(std::size_t entry);
-  bool isSnapshotDue() const;
+    friend Time timeOf(const Report& report) { return report.tracklet.time; }
+    friend bool precedes(const Report& a, const Report& b) { return precedes(a.tracklet, b.tracklet); }
+  };
+  struct NoUse {};
+
   void forgetOld();
 
-  double max_lag_;                  // [s]
-  std::vector<Entry> entries_;      // in order of time; the first open one has its snapshot, if it was taken
-  std::size_t open_ = 0;            // from this entry on others can be put between
-  std::size_t taken_ = 0;           // that many of the entries are in ...
-  GuardedEstimator estimator_;      // ... this
-  std::optional<Time> closed_;      // before this nothing can be put any more
-  std::vector<SensorChange> told_;  // changes
+  Timeline<Report, NoUse, GuardedEstimator> reports_;
+  GuardedEstimator estimator_;  // has taken the reports before the timeline's next
+  std::optional<Time> closed_;  // before this nothing can be put any more
+  SensorChangeReporter reporter_;
 };
 
 }  // namespace sightline::core
