@@ -6,6 +6,7 @@
 #include <string>
 
 #include "sightline/core/estimators/estimators.h"
+#include "sightline/core/fusion/rules/fusion_rule_table.h"
 #include "sightline/report/command_line.h"
 
 namespace {
@@ -23,14 +24,18 @@ const char* const kUsageBeforeEstimators =
     "               track_fusion; keys as in config/local_tracker.yaml and config/track_fusion.yaml\n"
     "  --estimator  for every tracker, one of:\n";
 
-const char* const kUsageAfterEstimators =
-    "  --rule       of the fusion: weighted_covariance, cross_covariance, covariance_intersection\n";
+/// A line of the usage for each row of a table.
+template <typename Table>
+std::string linesOf(const Table& table) {
+  std::string lines;
+  for (const auto& entry : table)
+    lines += std::string("                 ") + entry.name + ": " + entry.description + "\n";
+  return lines;
+}
 
 std::string usage() {
-  std::string text = kUsageBeforeEstimators;
-  for (const sightline::core::EstimatorEntry& entry : sightline::core::estimatorTable())
-    text += std::string("                 ") + entry.name + ": " + entry.description + "\n";
-  return text + kUsageAfterEstimators;
+  return kUsageBeforeEstimators + linesOf(sightline::core::estimatorTable()) +
+         "  --rule       of the fusion, one of:\n" + linesOf(sightline::core::fusionRuleTable());
 }
 
 void print(const sightline_ros::ReplaySummary& summary, const std::string& out, double elapsed) {

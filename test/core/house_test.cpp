@@ -120,8 +120,11 @@ TEST(House, EveryHeaderAndSourceOfARoomStandInTheSameRoom) {
       if (file.extension() != ".cpp") continue;
       const fs::path relative = fs::relative(file, kRoot / "src").replace_extension(".h");
       for (const std::string& include : includesOf(file)) {
-        if (fs::path(include).filename() == relative.filename() && include.rfind("sightline/", 0) == 0)
+        const bool is_own =
+            fs::path(include).filename() == relative.filename() && include.rfind("sightline/", 0) == 0;
+        if (is_own) {
           EXPECT_EQ(include, "sightline/" + relative.string()) << file;
+        }
       }
     }
   }

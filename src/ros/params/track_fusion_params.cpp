@@ -1,5 +1,6 @@
 #include "sightline/ros/params/track_fusion_params.h"
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
@@ -15,14 +16,11 @@ namespace {
 constexpr int kMany = std::numeric_limits<int>::max();
 
 core::FusionRule loadRule(const ParamReader& reader, core::FusionRule fallback) {
-  const std::vector<core::FusionRule>& rules = core::fusionRules();
   std::vector<std::string> names;
-  names.reserve(rules.size());
-  for (const core::FusionRule rule : rules) names.push_back(nameOf(rule));
+  for (const core::FusionRuleEntry& entry : core::fusionRuleTable()) names.emplace_back(entry.name);
   const std::string name = reader.choice("rule", nameOf(fallback), names);
-  std::size_t chosen = 0;
-  while (names[chosen] != name) ++chosen;
-  return rules[chosen];
+  const auto chosen = std::find(names.begin(), names.end(), name) - names.begin();
+  return core::fusionRuleTable()[static_cast<std::size_t>(chosen)].rule;
 }
 
 core::IntersectionWeights loadIntersectionWeights(const ParamReader& reader,

@@ -71,8 +71,8 @@ TEST(TrackFusionParams, ShippedFileSaysTheDefaultsAndNothingElse) {
 }
 
 TEST(TrackFusionParams, EveryKeyReachesItsField) {
-  for (const core::FusionRule rule : core::fusionRules())
-    EXPECT_EQ(paramsOf("rule: " + nameOf(rule)).rule, rule);
+  for (const core::FusionRuleEntry& entry : core::fusionRuleTable())
+    EXPECT_EQ(paramsOf(std::string("rule: ") + entry.name).rule, entry.rule);
   EXPECT_EQ(paramsOf("estimator: noga").tracklets.estimator.kind, core::EstimatorKind::noga);
   EXPECT_EQ(paramsOf("kalman: {process_noise: 0.3}").tracklets.estimator.kalman.process_noise, 0.3);
   const core::TrackletFusionParams tracklets =

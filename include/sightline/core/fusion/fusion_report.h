@@ -12,6 +12,7 @@
 
 #include "sightline/core/fusion/global_track.h"
 #include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/rules/fusion_rule_table.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/track.h"
 #include "sightline/core/sensors/sensor_guard.h"
@@ -19,22 +20,6 @@
 namespace sightline::core {
 
 class GlobalTracks;
-
-/// How local tracks of one target become one; the rules for estimates are in fusion_rules.h.
-enum class FusionRule {
-  best,                             ///< the best that the inputs allow, decided for each track at each fusion
-  tracklets,                        ///< an estimator of the global track's own, on its supporters' tracklets
-  cross_covariance,                 ///< Bar-Shalom and Campo, maximum likelihood for more than two
-  weighted_covariance,              ///< the paper's: errors taken as independent
-  covariance_intersection,          ///< whatever the correlation is
-  inverse_covariance_intersection,  ///< for sources that know something in common
-};
-
-/// All of them, in that order.
-const std::vector<FusionRule>& fusionRules();
-
-/// The name as it is written above.
-std::string nameOf(FusionRule rule);
 
 /// A local track's part in a global one: the fields of sightline/SourceTrack.
 struct SourceTrack {
