@@ -227,7 +227,7 @@ class LaggingFilter : public testing::TestWithParam<int> {
         scans.push_back(scan);
       }
     }
-    std::sort(scans.begin(), scans.end(), precedes);
+    std::sort(scans.begin(), scans.end(), [](const Scan& a, const Scan& b) { return precedes(a, b); });
     return scans;
   }
 };
