@@ -1,5 +1,5 @@
 // Many targets in clutter, with the default settings of a local tracker: clutter and detection probability
-// are not told.
+// are not configured.
 //
 //   crowd [--table NAME] [--runs N] [--crossing DIR] [--estimator twbls|noga|kalman|imm]
 //         [--association nearest|jpda]

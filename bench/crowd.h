@@ -59,10 +59,10 @@ CrowdRecording readCrowd(const std::string& folder);
 struct CrowdFigures {
   double gospa = 0.0;         ///< mean over scans, c = 10 mrad, p = 2 [rad]
   double localisation = 0.0;  ///< root mean square over pairs [rad]
-  double missed = 0.0;        ///< believed tracks that lack, a scan
-  double extra = 0.0;         ///< that are too many, a scan
+  double missed = 0.0;        ///< targets without an established track, a scan
+  double extra = 0.0;         ///< established tracks without a target, a scan
   int id_switches = 0, breaks = 0;
-  int tracks = 0;         ///< believed ones, by id
+  int tracks = 0;         ///< established ones, by id
   int false_tracks = 0;   ///< of these, those that were on no target for half their life
   double hours = 0.0;     ///< of the recording
   double seconds = 0.0;   ///< of processor time that the tracker took [s]

@@ -1,4 +1,4 @@
-// Whether the covariances that are published can be believed: squared errors over them (ANEES, 1 when
+// Whether the published covariances are consistent: squared errors over them (ANEES, 1 when
 // honest).
 //
 // On a random truth of white acceleration an honest covariance's ANEES of many runs lies, at every instant,

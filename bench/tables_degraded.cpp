@@ -87,8 +87,8 @@ std::vector<core::Scan> scansOf(const Stream& stream, const Degradation& degrada
 
 struct RunFigures {
   double squares = kNone;  // mean squared error from the change on, in the best sigma
-  double ghosts = 0.0;     // share of the instants with another believed track
-  double lost = 0.0;       // share of the instants without a believed track
+  double ghosts = 0.0;     // share of the instants with another established track
+  double lost = 0.0;       // share of the instants without an established track
   double delay = kNone;    // of the detection [s]
   int false_alarms = 0;
 };
@@ -102,13 +102,13 @@ core::LocalTrackerParams paramsOf(core::EstimatorKind kind, bool guarded) {
 
 void countChanges(const core::ScanReport& report, const Degradation& degradation, RunFigures& figures) {
   const core::Time change = core::Time(std::chrono::seconds(1000) + std::chrono::milliseconds(10 * kChange));
-  for (const core::SensorChange& said : report.changes) {
-    if (said.change.verdict == core::SensorVerdict::healthy) continue;
-    const bool is_hit = !degradation.isClean() && degradation.hits(said.sensor.back() - '0');
-    if (!is_hit || said.change.time < change) {
+  for (const core::SensorChange& noticed : report.changes) {
+    if (noticed.change.verdict == core::SensorVerdict::healthy) continue;
+    const bool is_hit = !degradation.isClean() && degradation.hits(noticed.sensor.back() - '0');
+    if (!is_hit || noticed.change.time < change) {
       ++figures.false_alarms;
     } else if (std::isnan(figures.delay)) {
-      figures.delay = core::seconds(said.change.time - change);
+      figures.delay = core::seconds(noticed.change.time - change);
     }
   }
 }

@@ -42,23 +42,37 @@ else()
   file(WRITE ${CPACK_PROJECT_CONFIG_FILE} "")
 endif()
 
-# catkin writes the prefix that was configured into what other packages read: in the package it is /usr. And what Python
-# compiled here is nothing to another machine's Python.
+# What is installed, made into what Debian expects in /usr:
+# - libraries lie in the folder of the machine's architecture, the only one where Debian's pluginlib looks for nodelets;
+# - what other packages read to build against this one, written by catkin, names /usr and that folder;
+# - what Python compiled here is left out.
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_BINARY_DIR}/tidy_package.cmake)
-file(WRITE ${CPACK_PRE_BUILD_SCRIPTS} "set(configured \"${CMAKE_INSTALL_PREFIX}\")\n" [=[
-foreach(file lib/pkgconfig/sightline.pc share/sightline/cmake/sightlineConfig.cmake)
-  set(file ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/${file})
-  if(EXISTS ${file} AND NOT configured STREQUAL /usr)
-    file(READ ${file} text)
-    string(REPLACE "${configured}" /usr text "${text}")
-    file(WRITE ${file} "${text}")
-  endif()
+file(WRITE ${CPACK_PRE_BUILD_SCRIPTS} "set(configured \"${CMAKE_INSTALL_PREFIX}\")
+set(libraries lib/${CMAKE_LIBRARY_ARCHITECTURE})\n" [=[
+set(usr ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr)
+file(MAKE_DIRECTORY ${usr}/${libraries})
+file(GLOB found ${usr}/lib/libsightline_*)
+foreach(library IN LISTS found)
+  get_filename_component(name ${library} NAME)
+  file(RENAME ${library} ${usr}/${libraries}/${name})
 endforeach()
-file(GLOB compiled ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/lib/python3/dist-packages/sightline/__pycache__
-  ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/lib/python3/dist-packages/sightline/*/__pycache__)
+foreach(file lib/pkgconfig/sightline.pc share/sightline/cmake/sightlineConfig.cmake)
+  file(READ ${usr}/${file} text)
+  if(NOT configured STREQUAL /usr)
+    string(REPLACE "${configured}" /usr text "${text}")
+  endif()
+  string(REPLACE "-L\${prefix}/lib " "-L\${prefix}/${libraries} " text "${text}")
+  file(WRITE ${usr}/${file} "${text}")
+endforeach()
+file(GLOB compiled ${usr}/lib/python3/dist-packages/sightline/__pycache__
+  ${usr}/lib/python3/dist-packages/sightline/*/__pycache__)
 if(compiled)
   file(REMOVE_RECURSE ${compiled})
 endif()
 ]=])
+# The build folder lies in the source folder as a rule, where a second six_sensors.launch would keep roslaunch from starting
+# the first.
+set(CPACK_POST_BUILD_SCRIPTS ${CMAKE_CURRENT_BINARY_DIR}/remove_package_tree.cmake)
+file(WRITE ${CPACK_POST_BUILD_SCRIPTS} "file(REMOVE_RECURSE \${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr)\n")
 
 include(CPack)

@@ -3,12 +3,14 @@
 #include <chrono>
 #include <cstdio>
 #include <iostream>
+#include <string>
 
+#include "sightline/core/estimators/estimators.h"
 #include "sightline/report/command_line.h"
 
 namespace {
 
-const char* const kUsage =
+const char* const kUsageBeforeEstimators =
     "Usage: replay [--config FILE.yaml] [--estimator E] [--rule R] IN.bag OUT.bag\n"
     "Runs the local trackers and the track fusion over a recording, as fast as the machine allows.\n"
     "  IN.bag       every sightline/SightingArray topic is used, with /tf and /tf_static\n"
@@ -19,8 +21,17 @@ const char* const kUsage =
     "  --config     parameters in the sections local_tracker (of each sensor), sensor_fusion (over all "
     "sightings) and\n"
     "               track_fusion; keys as in config/local_tracker.yaml and config/track_fusion.yaml\n"
-    "  --estimator  twbls, noga, kalman or imm, for every tracker\n"
+    "  --estimator  for every tracker, one of:\n";
+
+const char* const kUsageAfterEstimators =
     "  --rule       of the fusion: weighted_covariance, cross_covariance, covariance_intersection\n";
+
+std::string usage() {
+  std::string text = kUsageBeforeEstimators;
+  for (const sightline::core::EstimatorEntry& entry : sightline::core::estimatorTable())
+    text += std::string("                 ") + entry.name + ": " + entry.description + "\n";
+  return text + kUsageAfterEstimators;
+}
 
 void print(const sightline_ros::ReplaySummary& summary, const std::string& out, double elapsed) {
   std::printf("%s: %zu scans with %zu sightings over %.1f s in %.2f s", out.c_str(), summary.scans,
@@ -51,5 +62,5 @@ void run(const std::vector<std::string>& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return sightline::report::runTool(argc, argv, kUsage, run);
+  return sightline::report::runTool(argc, argv, usage(), run);
 }

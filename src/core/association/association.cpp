@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "sightline/core/association/assignment.h"
+#include "sightline/core/association/clusters.h"
 #include "sightline/core/association/joint_association.h"
 
 namespace sightline::core {
@@ -26,6 +27,7 @@ struct Candidates {
 
 /// ln(P_D N(innovation; 0, S) / clutter density). The chart's coordinates shrink with the cosine of its
 /// elevation: what is per rad^2 there is 1 / cos of that per sr.
+// (S-31)
 double logRatio(const TrackPrediction& prediction, const Association& pair, double clutter_density) {
   const Eigen::Matrix2d& S = pair.covariance;
   const double determinant = S(0, 0) * S(1, 1) - S(0, 1) * S(1, 0);
@@ -100,7 +102,7 @@ Candidates candidatesOf(const Scan& scan, const std::vector<TrackPrediction>& pr
   return candidates;
 }
 
-double missWeight(const TrackPrediction& prediction) {
+double missWeight(const TrackPrediction& prediction) {  // (S-39)
   return 1.0 - prediction.visibility * prediction.detection_probability;
 }
 
@@ -112,20 +114,9 @@ void take(const GatedPair& pair, const std::vector<TrackPrediction>& predictions
   pairing.evidence[i] = missWeight(predictions[i]) + std::exp(std::min(pair.log_ratio, kMostLogRatio));
 }
 
-/// Index of each value within the sorted list of those that occur.
-std::vector<int> occurring(std::vector<int> values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-  return values;
-}
-
-Eigen::Index indexIn(const std::vector<int>& sorted, int value) {
-  return std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin();
-}
-
 /// The best assignment within one cluster.
 void assignCluster(const std::vector<GatedPair>& pairs, const std::vector<int>& cluster,
-                   const std::vector<TrackPrediction>& predictions, AssociationResult& pairing) {
+                   const std::vector<TrackPrediction>& predictions, AssociationResult& pairing) {  // (S-32)
   const auto gain = [&](const GatedPair& pair) {  // over a miss
     return pair.log_ratio - std::log(missWeight(predictions[static_cast<std::size_t>(pair.track)]));
   };
@@ -174,7 +165,7 @@ std::vector<GatedPair> roundOf(const std::vector<GatedPair>& pairs,
 /// Lets the joint probabilities of all assignments speak for the believed tracks: what their sightings weigh,
 /// and how much evidence of the targets the scan is (joint integrated association).
 void weighJointly(const Scan& scan, const std::vector<GatedPair>& pairs,
-                  const std::vector<TrackPrediction>& predictions, AssociationResult& pairing) {
+                  const std::vector<TrackPrediction>& predictions, AssociationResult& pairing) {  // (S-35)
   std::vector<double> miss_weight(predictions.size(), 1.0);
   for (std::size_t i = 0; i < predictions.size(); ++i) {
     const double existence = predictions[i].existence;

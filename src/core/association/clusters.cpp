@@ -1,10 +1,12 @@
 #include "sightline/core/association/clusters.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace sightline::core {
 namespace {
@@ -52,6 +54,38 @@ std::vector<std::vector<int>> clusters(const std::vector<GatedPair>& pairs) {
     groups[group].push_back(static_cast<int>(k));
   }
   return groups;
+}
+
+int indexIn(const std::vector<int>& sorted, int value) {
+  return static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin());
+}
+
+std::vector<int> occurring(std::vector<int> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
+
+Cluster clusterOf(const std::vector<GatedPair>& pairs, const std::vector<int>& group,
+                  const std::vector<double>& miss_weight) {
+  std::vector<int> tracks, sightings;
+  for (const int k : group) {
+    tracks.push_back(pairs[k].track);
+    sightings.push_back(pairs[k].sighting);
+  }
+  Cluster cluster;
+  cluster.tracks = occurring(std::move(tracks));
+  sightings = occurring(std::move(sightings));
+  cluster.choices.resize(cluster.tracks.size());
+  cluster.takers.resize(sightings.size());
+  for (const int k : group) {
+    const int track = indexIn(cluster.tracks, pairs[k].track);
+    const int sighting = indexIn(sightings, pairs[k].sighting);
+    const double miss = std::max(miss_weight[pairs[k].track], kLeastMissWeight);
+    cluster.choices[track].push_back({k, sighting, pairs[k].log_ratio - std::log(miss)});
+    cluster.takers[sighting].push_back(track);
+  }
+  return cluster;
 }
 
 }  // namespace sightline::core

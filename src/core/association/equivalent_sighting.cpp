@@ -30,7 +30,7 @@ bool areUsable(const std::vector<PossibleSighting>& sightings) {
 }  // namespace
 
 std::optional<PositionEstimate> positionAfter(const Eigen::Matrix2d& P,
-                                              const std::vector<PossibleSighting>& sightings) {
+                                              const std::vector<PossibleSighting>& sightings) {  // (S-36)
   if (!isPositiveDefinite(P) || !areUsable(sightings)) return std::nullopt;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero(), gained = Eigen::Matrix2d::Zero();
@@ -47,6 +47,7 @@ std::optional<PositionEstimate> positionAfter(const Eigen::Matrix2d& P,
   return PositionEstimate{mean, covariance};
 }
 
+// (S-37)
 std::optional<EquivalentSighting> equivalentSighting(const Eigen::Matrix2d& P,
                                                      const std::vector<PossibleSighting>& sightings) {
   const std::optional<PositionEstimate> after = positionAfter(P, sightings);

@@ -24,7 +24,7 @@ Existence::Existence(double odds)
     throw std::invalid_argument("Existence: odds > 0 are required, got " + std::to_string(odds));
 }
 
-void Existence::pass(double duration, const PresenceParams& presence) {
+void Existence::pass(double duration, const PresenceParams& presence) {  // (S-38)
   const double leaves = seen_ * chance(duration, presence.mean_life);
   const double hides = (seen_ - leaves) * chance(duration, presence.mean_shown);
   const double gives_up = hidden_ * chance(duration, presence.mean_patience);
@@ -34,7 +34,7 @@ void Existence::pass(double duration, const PresenceParams& presence) {
   none_ += leaves + gives_up;
 }
 
-void Existence::weigh(double ratio) {
+void Existence::weigh(double ratio) {  // (S-39)
   seen_ = std::max(seen_ * std::clamp(ratio, 1.0 / kMostOfAScan, kMostOfAScan), kLeast);
   const double sum = seen_ + hidden_ + std::max(none_, kLeast);
   none_ = std::max(none_, kLeast) / sum;
@@ -42,7 +42,7 @@ void Existence::weigh(double ratio) {
   hidden_ /= sum;
 }
 
-double Existence::gain() const {
+double Existence::gain() const {  // (S-39)
   return (seen_ + hidden_) / (none_ * odds_at_start_);
 }
 

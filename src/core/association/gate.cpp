@@ -7,12 +7,12 @@
 
 namespace sightline::core {
 
-double gateThreshold(const GateParams& params) {
+double gateThreshold(const GateParams& params) {  // (S-19)
   return chiSquareQuantile2(params.probability);
 }
 
 Gate gateOf(const AngularState& prediction, const Eigen::Matrix2d& R, const GateParams& params,
-            double scale) {
+            double scale) {  // (S-3)
   const double threshold = gateThreshold(params);
   const double least_variance = params.min_half_width * params.min_half_width / threshold;
   Gate gate;
@@ -34,7 +34,7 @@ double distanceSquared(const Gate& gate, const Eigen::Vector2d& innovation) {
          determinant;
 }
 
-bool isInside(const Gate& gate, const Eigen::Vector2d& innovation, const GateParams& params) {
+bool isInside(const Gate& gate, const Eigen::Vector2d& innovation, const GateParams& params) {  // (S-3)
   const bool in_rectangle = (innovation.cwiseAbs().array() <= gate.half_width.array()).all();
   if (params.shape == GateShape::rectangle) return in_rectangle;
   return in_rectangle && distanceSquared(gate, innovation) <= gateThreshold(params);

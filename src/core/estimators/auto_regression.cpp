@@ -26,7 +26,7 @@ Eigen::Matrix2d pseudoInverse(double r11, double r12, double r22) {
 }  // namespace
 
 std::optional<AutoRegression> fitAutoRegression(const Eigen::Ref<const Eigen::ArrayXd>& value,
-                                                const Eigen::Ref<const Eigen::ArrayXd>& weight) {
+                                                const Eigen::Ref<const Eigen::ArrayXd>& weight) {  // (16C)
   const Eigen::Index rows = value.size() - 2;
   if (rows < 3) return std::nullopt;
   const auto regressor = [&](Eigen::Index i) { return weight(i) * value(i); };

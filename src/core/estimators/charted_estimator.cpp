@@ -44,7 +44,7 @@ const AngularState& ChartedEstimator::stateInChart(Time time) const {
   return last_prediction_->state;
 }
 
-std::optional<Eigen::Matrix2d> ChartedEstimator::follow(Time time) {
+std::optional<Eigen::Matrix2d> ChartedEstimator::follow(Time time) {  // (S-13)
   const Eigen::Vector2d expected = stateInChart(time).angles();
   if (chart_.holds(expected)) return std::nullopt;
   const Chart next = chart_.following(chart_.directionAt(expected));

@@ -10,7 +10,7 @@ constexpr double kSettledSpan = 0.5;  // [s]
 
 }  // namespace
 
-Measurement rotate(const Measurement& measurement, const Eigen::Matrix3d& R_new_old) {
+Measurement rotate(const Measurement& measurement, const Eigen::Matrix3d& R_new_old) {  // (S-13)
   const Eigen::Matrix2d J = rotationJacobian(measurement.position, R_new_old);
   Measurement turned = measurement;
   turned.position = rotateAngles(measurement.position, R_new_old);
@@ -18,7 +18,7 @@ Measurement rotate(const Measurement& measurement, const Eigen::Matrix3d& R_new_
   return turned;
 }
 
-AngularState firstState(const Measurement& measurement, double rate_sigma) {
+AngularState firstState(const Measurement& measurement, double rate_sigma) {  // (S-22)
   AngularState state;
   state.mean << measurement.position, Eigen::Vector2d::Zero();
   state.covariance.topLeftCorner<2, 2>() = measurement.covariance;
@@ -26,6 +26,7 @@ AngularState firstState(const Measurement& measurement, double rate_sigma) {
   return state;
 }
 
+// (S-22)
 AngularState withRatePrior(AngularState state, double rate_sigma, std::size_t sightings, double span) {
   if (sightings >= kSettledSightings || span >= kSettledSpan) return state;
   const double prior = rate_sigma * rate_sigma;

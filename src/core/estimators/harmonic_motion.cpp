@@ -73,7 +73,7 @@ struct FadingSeries {
 };
 
 /// Covariance of (position, rate, acceleration) after `h` >= 0 seconds of white jerk of density one.
-Eigen::Matrix3d fadingNoise(double h, double tau) {
+Eigen::Matrix3d fadingNoise(double h, double tau) {  // (S-29)
   const double z = h / tau;
   Eigen::Matrix3d Q;
   if (z < kFadingSeriesBelow) {  // the closed form cancels
@@ -100,7 +100,7 @@ Eigen::Matrix3d fadingNoise(double h, double tau) {
 
 }  // namespace
 
-Stumpff stumpff(double z) {
+Stumpff stumpff(double z) {  // (S-8)
   if (std::abs(z) < kSeriesBelow) return bySeries(z);
   Stumpff s{};
   if (z > 0.0) {
@@ -119,7 +119,7 @@ Stumpff stumpff(double z) {
   return s;
 }
 
-Transition harmonicStep(const Eigen::Vector4d& state, double h, double q, double q_kappa) {
+Transition harmonicStep(const Eigen::Vector4d& state, double h, double q, double q_kappa) {  // (S-8)
   // Over a long silence a motion that runs away would leave every number behind.
   const double least = std::max(kLeastKappa, -kLargestGrowth * kLargestGrowth / (h * h + 1e-9));
   const double kappa = std::clamp(state(3), least, kLargestKappa);
@@ -136,13 +136,14 @@ Transition harmonicStep(const Eigen::Vector4d& state, double h, double q, double
 }
 
 Transition fixedHarmonicStep(const Eigen::Vector4d& state, double h, double q, double kappa,
-                             double kappa_sigma) {
+                             double kappa_sigma) {  // (S-8)
   Transition step = harmonicCore(state, h, q, kappa, stumpff(kappa * h * h));
   step.mean(3) = kappa;
   step.Q(3, 3) = kappa_sigma * kappa_sigma;
   return step;
 }
 
+// (S-29)
 Transition fadingStep(const Eigen::Vector4d& state, double h, double q, double tau, double kappa_sigma) {
   const double age = std::abs(h), faded = -std::expm1(-age / tau);
   const double sign = h < 0.0 ? -1.0 : 1.0;
@@ -162,7 +163,7 @@ Transition fadingStep(const Eigen::Vector4d& state, double h, double q, double t
   return step;
 }
 
-Eigen::Vector2d autoRegression(double kappa, double h_1, double h_2) {
+Eigen::Vector2d autoRegression(double kappa, double h_1, double h_2) {  // (13C)
   const auto s = [kappa](double h) { return h * stumpff(kappa * h * h).c1; };
   return {s(h_1 + h_2) / s(h_2), -s(h_1) / s(h_2)};  // (13C)
 }

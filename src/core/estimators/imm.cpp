@@ -50,7 +50,7 @@ std::unique_ptr<Estimator> ImmEstimator::clone() const {
   return std::unique_ptr<Estimator>(new ImmEstimator(*this));
 }
 
-void ImmEstimator::update(const Measurement& measurement) {
+void ImmEstimator::update(const Measurement& measurement) {  // (S-18), (S-27)
   if (time_) {
     const double h = seconds(measurement.time - *time_);
     motions_ = predicted(h);
@@ -79,7 +79,7 @@ std::optional<AngularState> ImmEstimator::stateAt(Time time) const {
 }
 
 /// What each model expects `h` seconds after the last sighting, after the models have interacted.
-ImmEstimator::Motions ImmEstimator::predicted(double h) const {
+ImmEstimator::Motions ImmEstimator::predicted(double h) const {  // (S-25), (S-26), (S-17)
   const ModeArray own = chain_.ownShares(h);
   const Motion<6> all = mixture(chain_.probabilities(), motions_.data());
   Motions ahead;
@@ -102,7 +102,7 @@ ImmEstimator::Motions ImmEstimator::predicted(double h) const {
 }
 
 /// Covariance of the acceleration by a model that has none.
-Eigen::Matrix2d ImmEstimator::unknownAcceleration() const {
+Eigen::Matrix2d ImmEstimator::unknownAcceleration() const {  // (S-24)
   const ImmModel* mildest = nullptr;
   double least = 0.0;
   for (const ImmModel& model : params_.models) {

@@ -20,7 +20,7 @@ std::unique_ptr<Estimator> KalmanEstimator::clone() const {
   return std::unique_ptr<Estimator>(new KalmanEstimator(*this));
 }
 
-void KalmanEstimator::update(const Measurement& measurement) {
+void KalmanEstimator::update(const Measurement& measurement) {  // (S-18)
   if (time_) {
     motion_ = predicted(measurement.time);
     condition(motion_, measurement.position, measurement.covariance);
@@ -37,7 +37,7 @@ std::optional<AngularState> KalmanEstimator::stateAt(Time time) const {
   return predicted(time).angularState();
 }
 
-Motion<4> KalmanEstimator::predicted(Time time) const {
+Motion<4> KalmanEstimator::predicted(Time time) const {  // (S-17)
   const double h = seconds(time - *time_);
   Motion<4> motion = motion_;
   moveOn(motion, h);

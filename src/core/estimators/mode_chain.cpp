@@ -23,22 +23,22 @@ ModeChain::ModeChain(const ModeArray& attraction, double dwell) : dwell_(dwell),
 }
 
 /// That a mode is drawn anew; it may be the same again.
-double ModeChain::drawnProbability(double h) const {
+double ModeChain::drawnProbability(double h) const {  // (S-25)
   const auto modes = static_cast<double>(attraction_.size());
   if (modes == 1.0) return 0.0;
   return std::min(-std::expm1(-std::abs(h) / dwell_) * modes / (modes - 1.0), 1.0);
 }
 
-ModeArray ModeChain::predicted(double h) const {
+ModeArray ModeChain::predicted(double h) const {  // (S-25)
   const double drawn = drawnProbability(h);
   return (1.0 - drawn) * probabilities_ + drawn * attraction_;
 }
 
-ModeArray ModeChain::ownShares(double h) const {
+ModeArray ModeChain::ownShares(double h) const {  // (S-26)
   return (1.0 - drawnProbability(h)) * probabilities_ / predicted(h);
 }
 
-void ModeChain::update(double h, const ModeArray& log_likelihoods) {
+void ModeChain::update(double h, const ModeArray& log_likelihoods) {  // (S-27)
   probabilities_ = predicted(h) * (log_likelihoods - log_likelihoods.maxCoeff()).exp();
   probabilities_ = (probabilities_ / probabilities_.sum()).max(kFloor);
   probabilities_ /= probabilities_.sum();

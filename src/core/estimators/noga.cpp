@@ -98,7 +98,7 @@ void NogaEstimator::reduce(const Measurement& measurement) {
   }
 }
 
-NogaEstimator::Response NogaEstimator::responseAfter(int channel, double h) const {
+NogaEstimator::Response NogaEstimator::responseAfter(int channel, double h) const {  // (S-30)
   // The auto-regression speaks of the next sighting. One that is late is where the line's rate takes it.
   const double late = h > longest_ ? h - mean_ : 0.0;
   const double next = h - late;
@@ -158,7 +158,7 @@ void NogaEstimator::store(const Measurement& measurement) {
     longest_ = std::max(longest_, seconds(time_[j] - time_[j - 1]));
 }
 
-void NogaEstimator::fitLines() {
+void NogaEstimator::fitLines() {  // (3), (S-2), (S-23)
   WindowArray age(size_);
   for (int i = 0; i < size_; ++i) age(i) = seconds(time_[size_ - 1] - time_[i]);
   Measurement last;
@@ -201,7 +201,7 @@ std::optional<AngularState> NogaEstimator::stateAt(Time time) const {
 }
 
 /// The state `h` seconds later at its rates, which become less certain.
-AngularState NogaEstimator::coasted(AngularState state, double h) const {
+AngularState NogaEstimator::coasted(AngularState state, double h) const {  // (S-30)
   if (h == 0.0) return state;
   const double memory = std::max(mean_ * (size_ - 1), kLeastRateMemory);
   Motion<4> motion{state.mean, state.covariance};

@@ -13,9 +13,7 @@ namespace sightline::core {
 namespace {
 
 // Section 4.2 and 4.3; sigmas in amplitudes [rad] per s^n, kappa in 1/s^2.
-constexpr double kInitialSigma = 2.0;     // of rate, acceleration and kappa before anything is known
-constexpr double kUnusedSigma = 1.0;      // of acceleration and kappa after a model that does not know them
-constexpr double kFixedKappaSigma = 4.0;  // of the kappa that a fixed harmonic hands to the others
+constexpr double kInitialSigma = 2.0;        // of rate, acceleration and kappa before anything is known
 constexpr double kSigmasOfAmplitude = 10.0;  // amplitude over sigma where the amplitude is not given
 constexpr double kCoupling = 1e-6;           // correlation from which azimuth and elevation count as coupled
 constexpr double kLongestStep = 30.0;        // [s]; what was known of a target is lost by then
@@ -30,18 +28,7 @@ void check(const NogaConsistentParams& params) {
     throw std::invalid_argument("NogaConsistentParams: 1 to " + std::to_string(kMaxModes) +
                                 " models are required, got " + std::to_string(params.models.size()));
   }
-  for (const ResponseModel& model : params.models) {
-    if (!(model.q >= 0.0) || !(model.q_kappa >= 0.0) || !std::isfinite(model.kappa) || !(model.fade > 0.0) ||
-        !(model.attraction > 0.0)) {
-      throw std::invalid_argument(
-          "NogaConsistentParams: a model needs q >= 0, q_kappa >= 0, a finite kappa, fade > 0 s and "
-          "attraction > 0, "
-          "got q " +
-          std::to_string(model.q) + ", q_kappa " + std::to_string(model.q_kappa) + ", kappa " +
-          std::to_string(model.kappa) + ", fade " + std::to_string(model.fade) + ", attraction " +
-          std::to_string(model.attraction));
-    }
-  }
+  for (const ResponseModel& model : params.models) check(model);
   if (!(params.amplitude >= 0.0) || !(params.initial_rate_sigma > 0.0) ||
       !(params.outlier_share >= 0.0 && params.outlier_share < 1.0) || !(params.outlier_width > 0.0)) {
     throw std::invalid_argument(
@@ -72,21 +59,6 @@ double logSum(double a, double b) {
 }
 
 }  // namespace
-
-std::vector<ResponseModel> defaultResponseModels() {
-  return {{ResponseModel::Kind::straight, 1e-4},
-          {ResponseModel::Kind::straight, 0.01},
-          {ResponseModel::Kind::straight, 0.05},
-          {ResponseModel::Kind::straight, 0.25},
-          {ResponseModel::Kind::straight, 1.25},
-          {ResponseModel::Kind::straight, 30.0, 0.0, 0.0, 1.0, 0.2},
-          {ResponseModel::Kind::harmonic, 1e-3, 1e-2, 0.0, 1.0, 4.0},
-          {ResponseModel::Kind::harmonic, 0.3, 1.0, 0.0, 1.0, 0.3},
-          {ResponseModel::Kind::fixed_harmonic, 1.0, 0.0, 8.0, 1.0, 0.05},
-          {ResponseModel::Kind::fading, 0.3, 0.0, 0.0, 2.0},
-          {ResponseModel::Kind::fading, 10.0, 0.0, 0.0, 2.0},
-          {ResponseModel::Kind::fading, 1000.0, 0.0, 0.0, 2.0, 0.5}};
-}
 
 NogaConsistentParams bankOfSection43() {
   NogaConsistentParams params;
@@ -154,29 +126,25 @@ void NogaConsistentEstimator::start(const Measurement& measurement) {
 }
 
 /// What each model expects `h` seconds after the last sighting, after the models have interacted.
-NogaConsistentEstimator::Beliefs NogaConsistentEstimator::expected(double h) const {
+NogaConsistentEstimator::Beliefs NogaConsistentEstimator::expected(double h) const {  // (S-25), (S-26)
   h = std::clamp(h, -kLongestStep, kLongestStep);
   const ModeArray own = chain_.ownShares(h);
   const Belief all = mixtureOfAll();
   Beliefs ahead;
   for (int mode = 0; mode < modes(); ++mode) {
     const ResponseModel& model = params_.models[static_cast<std::size_t>(mode)];
-    if (model.kind == ResponseModel::Kind::straight) {
-      blend<2>(own(mode), beliefs_[mode], all, ahead[mode]);
-      stepStraight(ahead[mode], model, h);
-      continue;
-    }
-    blend<4>(own(mode), beliefs_[mode], all, ahead[mode]);
-    if (model.kind == ResponseModel::Kind::harmonic) {
-      stepHarmonic(ahead[mode], model, h);
-    } else {
-      stepLinear(ahead[mode], model, h);
-    }
+    const Belief& own_belief = beliefs_[mode];
+    if (model.kind == ResponseModel::Kind::straight)
+      blend<2>(own(mode), own_belief, all, ahead[mode]);
+    else
+      blend<4>(own(mode), own_belief, all, ahead[mode]);
+    const Eigen::Vector2d& noise = ahead[mode].noise;
+    step(ahead[mode], model, {amplitude(0, noise(0)), amplitude(1, noise(1))}, h, coupled_);
   }
   return ahead;
 }
 
-NogaConsistentEstimator::Belief NogaConsistentEstimator::mixtureOfAll() const {
+NogaConsistentEstimator::Belief NogaConsistentEstimator::mixtureOfAll() const {  // (S-6)
   const ModeArray& weights = chain_.probabilities();
   Belief all;
   all.noise.setZero();
@@ -200,7 +168,7 @@ NogaConsistentEstimator::Belief NogaConsistentEstimator::mixtureOfAll() const {
 /// `share` of `own`, for the rest `other`, in the first N components.
 template <int N>
 void NogaConsistentEstimator::blend(double share, const Belief& own, const Belief& other,
-                                    Belief& mixed) const {
+                                    Belief& mixed) const {  // (S-6)
   const double rest = 1.0 - share;
   Eigen::Matrix<double, N, 1> offset[2];
   for (int channel = 0; channel < 2; ++channel) {
@@ -218,61 +186,6 @@ void NogaConsistentEstimator::blend(double share, const Belief& own, const Belie
                                                  share * rest * offset[0] * offset[1].transpose();
   }
   mixed.noise = share * own.noise + rest * other.noise;
-}
-
-/// Constant velocity with white acceleration; of acceleration and kappa, of which it knows nothing, it says
-/// N(0, sigma^2) each.
-void NogaConsistentEstimator::stepStraight(Belief& belief, const ResponseModel& model, double h) const {
-  const double age = std::abs(h);
-  for (int channel = 0; channel < 2; ++channel) {
-    const double unit = amplitude(channel, belief.noise(channel)), q = model.q * unit * unit;
-    Eigen::Vector4d& x = belief.mean[channel];
-    Eigen::Matrix4d& P = belief.covariance[channel];
-    x << x(0) + h * x(1), x(1), 0.0, 0.0;
-    P(0, 0) += 2.0 * h * P(0, 1) + h * h * P(1, 1) + q * age * age * age / 3.0;
-    P(0, 1) += h * P(1, 1) + q * h * age / 2.0;
-    P(1, 0) = P(0, 1);
-    P(1, 1) += q * age;
-    P.topRightCorner<2, 2>().setZero();
-    P.bottomLeftCorner<2, 2>().setZero();
-    P.bottomRightCorner<2, 2>() << kUnusedSigma * unit * kUnusedSigma * unit, 0.0,  //
-        0.0, kUnusedSigma * kUnusedSigma;
-  }
-  if (coupled_) {
-    const Eigen::Matrix2d F = (Eigen::Matrix2d() << 1.0, h, 0.0, 1.0).finished();
-    belief.cross.topLeftCorner<2, 2>() = F * belief.cross.topLeftCorner<2, 2>() * F.transpose();
-  }
-}
-
-/// The unknown kappa makes the motion of each channel another one.
-void NogaConsistentEstimator::stepHarmonic(Belief& belief, const ResponseModel& model, double h) const {
-  Eigen::Matrix4d F[2];
-  for (int channel = 0; channel < 2; ++channel) {
-    const double unit = amplitude(channel, belief.noise(channel));
-    Eigen::Matrix4d& P = belief.covariance[channel];
-    const Transition step = harmonicStep(belief.mean[channel], h, model.q * unit * unit, model.q_kappa);
-    belief.mean[channel] = step.mean;
-    F[channel] = step.F;
-    P = symmetric(step.F * P * step.F.transpose() + step.Q);
-  }
-  if (coupled_) belief.cross = F[0] * belief.cross * F[1].transpose();
-}
-
-/// Motions that are linear, and alike in both channels.
-void NogaConsistentEstimator::stepLinear(Belief& belief, const ResponseModel& model, double h) const {
-  const Eigen::Vector4d origin = Eigen::Vector4d::Zero();
-  const Transition step = model.kind == ResponseModel::Kind::fading
-                              ? fadingStep(origin, h, 1.0, model.fade, kUnusedSigma)
-                              : fixedHarmonicStep(origin, h, 1.0, model.kappa, kFixedKappaSigma);
-  for (int channel = 0; channel < 2; ++channel) {
-    const double unit = amplitude(channel, belief.noise(channel));
-    Eigen::Matrix4d& P = belief.covariance[channel];
-    Eigen::Matrix4d Q = step.Q;
-    Q.topLeftCorner<3, 3>() *= model.q * unit * unit;
-    belief.mean[channel] = step.F * belief.mean[channel] + step.mean;
-    P = symmetric(step.F * P * step.F.transpose() + Q);
-  }
-  if (coupled_) belief.cross = step.F * belief.cross * step.F.transpose();
 }
 
 /// The reduction (20)-(23) with the sighting; returns the log likelihood of the model.
@@ -297,6 +210,7 @@ double NogaConsistentEstimator::reduce(Belief& belief, const Measurement& measur
 
 /// Takes the innovations, squared and over what was expected of them, as evidence of the sightings' noise;
 /// the angles' covariance grows and shrinks with it, as does every gain's denominator: the gains stay.
+// (S-11)
 void NogaConsistentEstimator::learnNoise(Belief& belief, const Eigen::Vector2d& distances_squared) const {
   Eigen::Vector4d growth[2];
   for (int channel = 0; channel < 2; ++channel) {
@@ -319,7 +233,7 @@ Eigen::Vector2d NogaConsistentEstimator::noiseScale() const {
 
 /// Soft gate: the share of a sighting that is the target's, when outliers are spread evenly.
 double NogaConsistentEstimator::takenShare(double log_likelihood, double log_outlier_density,
-                                           double& log_mixture) const {
+                                           double& log_mixture) const {  // (S-28)
   if (params_.outlier_share == 0.0) {
     log_mixture = log_likelihood;
     return 1.0;
@@ -330,7 +244,7 @@ double NogaConsistentEstimator::takenShare(double log_likelihood, double log_out
 }
 
 /// `D`: variance of the innovation.
-double NogaConsistentEstimator::logOutlierDensity(int channel, double noise, double D) const {
+double NogaConsistentEstimator::logOutlierDensity(int channel, double noise, double D) const {  // (S-28)
   return -std::log(std::max(params_.outlier_width * amplitude(channel, noise), kOutlierReach * std::sqrt(D)));
 }
 

@@ -22,14 +22,14 @@ NoiseLearning::NoiseLearning(const NoiseLearningParams& params)
   }
 }
 
-void NoiseLearning::next(double h) {
+void NoiseLearning::next(double h) {  // (S-11)
   const double least = kOneSighting * params_.trust;
   weight_ = least + (weight_ - least) * std::exp(-h / params_.memory);
   if (sightings_ >= kSightingsOfTheRate) weight_ += kOneSighting;
   if (sightings_ < kSightingsOfTheRate) ++sightings_;
 }
 
-double NoiseLearning::learnt(double scale, double distance_squared) const {
+double NoiseLearning::learnt(double scale, double distance_squared) const {  // (S-11)
   if (!params_.enabled || sightings_ < kSightingsOfTheRate) return scale;
   const double before = weight_ - kOneSighting;
   const double seen = scale * (before + kOneSighting * distance_squared) / weight_;

@@ -17,7 +17,7 @@ Eigen::Matrix2d inverse(const Eigen::Matrix2d& positive_definite) {
 
 }  // namespace
 
-void SightingNoise::add(const Eigen::Matrix2d& R, double sightings) {
+void SightingNoise::add(const Eigen::Matrix2d& R, double sightings) {  // (S-24)
   sightings_ = std::min(sightings_ + sightings, kMemory);
   information_ += std::min(sightings / sightings_, 1.0) * (inverse(sightings * R) - information_);
   covariance_ = inverse(information_);

@@ -12,11 +12,11 @@ constexpr double kSameTime = 1e-6;    // ages closer than this [s] determine no 
 constexpr double kMisfitPrior = 4.0;  // degrees of freedom of the belief that the stated sigmas are right
 
 /// What a sighting of age s adds to (C_1, C_2) for each radian of its value: a column of P F^T W.
-Eigen::Vector2d influence(const LineFit& fit, double age, double weight) {
+Eigen::Vector2d influence(const LineFit& fit, double age, double weight) {  // (S-2)
   return fit.P * Eigen::Vector2d(age, 1.0) * weight;
 }
 
-double timeWeight(const TwblsParams& params, double age, double oldest) {
+double timeWeight(const TwblsParams& params, double age, double oldest) {  // (6C)
   switch (params.time_weight) {
     case TimeWeight::linear:
       return std::max(0.0, 1.0 - age / (1.05 * std::max(params.window, oldest)));
@@ -140,7 +140,7 @@ void TwblsEstimator::refit() {
 }
 
 /// Position and velocity of both lines at the last sighting with their covariance.
-AngularState TwblsEstimator::lineState() const {
+AngularState TwblsEstimator::lineState() const {  // (5C), (S-23), (9C)
   const auto n = static_cast<Eigen::Index>(window_.size());
   const bool raw = params_.anchor == TwblsAnchor::raw;
   AngularState state;
@@ -179,7 +179,7 @@ AngularState TwblsEstimator::lineState() const {
 }
 
 /// All sightings at one instant: their weighted mean, and nothing known of the rates.
-AngularState TwblsEstimator::pointState() const {
+AngularState TwblsEstimator::pointState() const {  // (3), (S-2)
   const auto n = static_cast<Eigen::Index>(window_.size());
   Measurement mean = window_.back();
   mean.covariance.setZero();

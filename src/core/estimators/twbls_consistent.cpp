@@ -14,7 +14,7 @@ constexpr std::size_t kMostSightings = 4096;  // of a window, whatever its span
 constexpr std::size_t kUsualSightings = 256;  // that one sensor of 33 Hz needs
 
 /// The sightings at one instant taken together.
-void join(Measurement& mean, const Measurement& other) {
+void join(Measurement& mean, const Measurement& other) {  // (S-18)
   Motion<4> motion;
   motion.mean.head<2>() = mean.position;
   motion.covariance.topLeftCorner<2, 2>() = mean.covariance;
@@ -27,7 +27,7 @@ void join(Measurement& mean, const Measurement& other) {
 /// The motion at the second of two sightings `h` seconds apart when nothing was known before: the limit of an
 /// endless prior.
 Motion<4> throughTwo(const Measurement& first, const Measurement& second, double h,
-                     const Eigen::Matrix2d& density) {
+                     const Eigen::Matrix2d& density) {  // (S-21)
   Motion<4> motion;
   motion.mean << second.position, (second.position - first.position) / h;
   motion.covariance.topLeftCorner<2, 2>() = second.covariance;
@@ -79,7 +79,7 @@ void TwblsConsistentEstimator::update(const Measurement& measurement) {
 }
 
 /// The evidence fades, and each process noise gains the log likelihood of what it had predicted.
-void TwblsConsistentEstimator::weigh(const Measurement& measurement) {
+void TwblsConsistentEstimator::weigh(const Measurement& measurement) {  // (S-6), (S-11)
   if (!measurement.is_certain) return;  // nothing was seen that tells the models apart
   const double h = seconds(measurement.time - window_.back().time);
   evidence_ *= std::exp(-h / params_.memory);
@@ -103,7 +103,7 @@ void TwblsConsistentEstimator::weigh(const Measurement& measurement) {
   }
 }
 
-ModeArray TwblsConsistentEstimator::weights() const {
+ModeArray TwblsConsistentEstimator::weights() const {  // (S-6)
   const ModeArray likelihood = (evidence_ - evidence_.maxCoeff()).exp();
   return likelihood / likelihood.sum();
 }
@@ -168,12 +168,12 @@ void TwblsConsistentEstimator::take(Motion<4>& motion, int mode, std::size_t ind
   condition(motion, sighting.position, sighting.covariance);
 }
 
-Eigen::Matrix2d TwblsConsistentEstimator::density(int mode) const {
+Eigen::Matrix2d TwblsConsistentEstimator::density(int mode) const {  // (S-24)
   return params_.process_noises[static_cast<std::size_t>(mode)].densityFor(sighting_noise_.covariance());
 }
 
 /// By the stated covariances.
-Motion<4> TwblsConsistentEstimator::predicted(int mode, double h) const {
+Motion<4> TwblsConsistentEstimator::predicted(int mode, double h) const {  // (S-17)
   Motion<4> motion = motions_[mode];
   moveOn(motion, h);
   addWhiteAcceleration(motion, density(mode), h);

@@ -99,6 +99,17 @@ double LocalReports::maxAge(const std::string& tracker) const {
   return std::min(std::max(params_.max_age, kPaces * interval), params_.forget_after);
 }
 
+std::string LocalReports::whyUnusable(const std::string& tracker, const LocalTrack& local) const {
+  if (!local.invalid.empty()) return local.invalid;
+  if (local.track.status == TrackStatus::tentative) return "tentative: its tracker does not believe it yet";
+  const double late = age(local.time);
+  const double max_age = maxAge(tracker);
+  if (late <= max_age) return {};
+  std::ostringstream why;
+  why << "stale: the report is " << late << " s older than the newest (max_age " << max_age << " s)";
+  return why.str();
+}
+
 Time LocalReports::newest() const {
   Time newest{};
   for (const auto& [name, tracker] : trackers_) newest = std::max(newest, tracker.time);

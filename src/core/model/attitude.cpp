@@ -22,6 +22,7 @@ Eigen::Vector3d angularVelocity(const Eigen::Matrix3d& R_rest_before, const Eige
   return turn.angle() / seconds * turn.axis();
 }
 
+// (S-16)
 Eigen::Matrix3d attitudeCovariance(const AttitudeParams& params, const Eigen::Vector3d& angular_velocity) {
   const Eigen::Vector3d sigma_of_time = params.time_sigma * angular_velocity;
   Eigen::Matrix3d covariance = sigma_of_time * sigma_of_time.transpose();
@@ -29,7 +30,7 @@ Eigen::Matrix3d attitudeCovariance(const AttitudeParams& params, const Eigen::Ve
   return covariance;
 }
 
-Sighting withAttitude(const Sighting& sighting, const Eigen::Matrix3d& attitude_covariance) {
+Sighting withAttitude(const Sighting& sighting, const Eigen::Matrix3d& attitude_covariance) {  // (S-16)
   const Eigen::Matrix3d J = turnToDirection(sighting.direction);
   Sighting uncertain = sighting;
   const Eigen::Matrix3d sum = sighting.covariance + J * attitude_covariance * J.transpose();

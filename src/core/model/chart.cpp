@@ -53,7 +53,7 @@ Eigen::Vector2d Chart::coordinatesOf(const Eigen::Vector3d& direction_tracking) 
   return anglesOf(R_chart_tracking_ * direction_tracking);
 }
 
-Eigen::Matrix2d Chart::covarianceOf(const Sighting& sighting_tracking) const {
+Eigen::Matrix2d Chart::covarianceOf(const Sighting& sighting_tracking) const {  // (S-12)
   const Eigen::Matrix<double, 2, 3> A =
       anglesJacobian(R_chart_tracking_ * sighting_tracking.direction) * R_chart_tracking_;
   return symmetric(A * sighting_tracking.covariance * A.transpose());

@@ -16,7 +16,7 @@ bool FieldOfView::holds(const Eigen::Vector3d& direction_tracking) const {
   return (off_boresight.array() <= half_widths.array() + kRim).all();
 }
 
-double FieldOfView::solidAngle() const {
+double FieldOfView::solidAngle() const {  // (S-20)
   return 4.0 * half_widths.x() * std::sin(half_widths.y());
 }
 

@@ -20,7 +20,7 @@ Vector6 rotated(const Vector6& motion, const Eigen::Matrix3d& R) {
 
 }  // namespace
 
-Motion<4> rotateMotion(const Motion<4>& motion, const Eigen::Matrix3d& R_new_old) {
+Motion<4> rotateMotion(const Motion<4>& motion, const Eigen::Matrix3d& R_new_old) {  // (S-14)
   const AngularState state = rotateState(motion.angularState(), R_new_old);
   return {state.mean, state.covariance};
 }

@@ -32,6 +32,7 @@ bool hasDirection(const Eigen::Vector3d& vector) {
   return vector.allFinite() && vector.stableNorm() > 0.0;
 }
 
+// (S-15)
 std::optional<Sighting> sightingOfPoint(const Eigen::Vector3d& point, const Eigen::Matrix3d& covariance) {
   if (!hasDirection(point)) return std::nullopt;
   Sighting sighting;

@@ -16,7 +16,7 @@ constexpr double kAsymmetry = 1e-6;          // relative to the geometric mean o
 
 }  // namespace
 
-Sighting sightingOf(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance, double snr) {
+Sighting sightingOf(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance, double snr) {  // (S-12)
   const Eigen::Matrix<double, 3, 2> D = directionJacobian(angles);
   Sighting sighting;
   sighting.direction = directionOf(angles);
@@ -25,7 +25,7 @@ Sighting sightingOf(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covari
   return sighting;
 }
 
-Eigen::Matrix2d anglesCovariance(const Sighting& sighting) {
+Eigen::Matrix2d anglesCovariance(const Sighting& sighting) {  // (S-12)
   const Eigen::Matrix<double, 2, 3> A = anglesJacobian(sighting.direction);
   return symmetric(A * sighting.covariance * A.transpose());
 }
@@ -83,7 +83,7 @@ std::optional<std::string> rejectionOf(const Eigen::Vector2d& angles, const Eige
   return std::nullopt;
 }
 
-Eigen::Matrix2d noiseCovariance(const Eigen::Matrix2d& R, const Eigen::Vector2d& noise_scale) {
+Eigen::Matrix2d noiseCovariance(const Eigen::Matrix2d& R, const Eigen::Vector2d& noise_scale) {  // (S-11)
   const Eigen::Vector2d factors = noise_scale.cwiseSqrt();
   return factors.asDiagonal() * R * factors.asDiagonal();
 }

@@ -17,12 +17,12 @@ double wrapAngle(double angle) {
   return wrapped <= -kPi ? kPi : wrapped;
 }
 
-Eigen::Vector3d directionOf(const Eigen::Vector2d& angles) {
+Eigen::Vector3d directionOf(const Eigen::Vector2d& angles) {  // (S-12)
   const double horizontal = std::cos(angles.y());
   return {horizontal * std::cos(angles.x()), horizontal * std::sin(angles.x()), std::sin(angles.y())};
 }
 
-Eigen::Vector2d anglesOf(const Eigen::Vector3d& direction) {
+Eigen::Vector2d anglesOf(const Eigen::Vector3d& direction) {  // (S-12)
   const double azimuth = std::atan2(direction.y(), direction.x());
   return {azimuth <= -kPi ? kPi : azimuth,
           std::atan2(direction.z(), std::hypot(direction.x(), direction.y()))};
@@ -36,7 +36,7 @@ Eigen::Vector2d angleDifference(const Eigen::Vector2d& a, const Eigen::Vector2d&
   return {wrapAngle(a.x() - b.x()), a.y() - b.y()};
 }
 
-Eigen::Matrix<double, 3, 2> directionJacobian(const Eigen::Vector2d& angles) {
+Eigen::Matrix<double, 3, 2> directionJacobian(const Eigen::Vector2d& angles) {  // (S-12)
   const double ca = std::cos(angles.x()), sa = std::sin(angles.x());
   const double ce = std::cos(angles.y()), se = std::sin(angles.y());
   Eigen::Matrix<double, 3, 2> jacobian;
@@ -46,7 +46,7 @@ Eigen::Matrix<double, 3, 2> directionJacobian(const Eigen::Vector2d& angles) {
   return jacobian;
 }
 
-Eigen::Matrix<double, 2, 3> anglesJacobian(const Eigen::Vector3d& direction) {
+Eigen::Matrix<double, 2, 3> anglesJacobian(const Eigen::Vector3d& direction) {  // (S-12)
   const double rho = std::max(std::hypot(direction.x(), direction.y()), kPoleDistance);
   const double ca = direction.x() / rho, sa = direction.y() / rho;
   Eigen::Matrix<double, 2, 3> jacobian;
@@ -55,11 +55,11 @@ Eigen::Matrix<double, 2, 3> anglesJacobian(const Eigen::Vector3d& direction) {
   return jacobian;
 }
 
-Eigen::Vector2d rotateAngles(const Eigen::Vector2d& angles, const Eigen::Matrix3d& R_to_from) {
+Eigen::Vector2d rotateAngles(const Eigen::Vector2d& angles, const Eigen::Matrix3d& R_to_from) {  // (S-13)
   return anglesOf(R_to_from * directionOf(angles));
 }
 
-Eigen::Matrix2d rotationJacobian(const Eigen::Vector2d& angles, const Eigen::Matrix3d& R_to_from) {
+Eigen::Matrix2d rotationJacobian(const Eigen::Vector2d& angles, const Eigen::Matrix3d& R_to_from) {  // (S-13)
   return anglesJacobian(R_to_from * directionOf(angles)) * R_to_from * directionJacobian(angles);
 }
 
@@ -82,7 +82,7 @@ struct TurnedMotion {
   Eigen::Matrix4d jacobian;
 };
 
-TurnedMotion turn(const Eigen::Vector4d& mean, const Eigen::Matrix3d& R_to_from) {
+TurnedMotion turn(const Eigen::Vector4d& mean, const Eigen::Matrix3d& R_to_from) {  // (S-14)
   const Eigen::Vector2d from = mean.head<2>(), rates = mean.tail<2>();
   const Eigen::Vector2d to = rotateAngles(from, R_to_from);
   const Eigen::Matrix2d J = rotationJacobian(from, R_to_from);
@@ -113,7 +113,7 @@ AngularState rotateState(const AngularState& state, const Eigen::Matrix3d& R_to_
   return result;
 }
 
-AngularState propagate(const AngularState& state, double h, double q) {
+AngularState propagate(const AngularState& state, double h, double q) {  // (S-17)
   Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
   F.topRightCorner<2, 2>().diagonal().setConstant(h);
   const double age = std::abs(h);

@@ -75,7 +75,7 @@ struct Orthogonal {
 };
 
 /// Up to degree `degree`; less when there are no more different times than that.
-Orthogonal orthogonalOver(const std::vector<Point>& points, int degree) {
+Orthogonal orthogonalOver(const std::vector<Point>& points, int degree) {  // (S-60)
   Orthogonal polynomials{Eigen::VectorXd::Zero(degree), Eigen::VectorXd::Zero(degree)};
   double norm_before = 0.0;
   for (Eigen::Index k = 0; k < degree; ++k) {
@@ -98,7 +98,7 @@ Orthogonal orthogonalOver(const std::vector<Point>& points, int degree) {
 }
 
 /// The zeros of the last of them: Gauss's nodes, as the eigenvalues of the Jacobi matrix.
-Eigen::VectorXd gaussNodes(const Orthogonal& polynomials) {
+Eigen::VectorXd gaussNodes(const Orthogonal& polynomials) {  // (S-60)
   const Eigen::Index m = polynomials.a.size();
   if (m == 1) return polynomials.a;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
@@ -107,7 +107,7 @@ Eigen::VectorXd gaussNodes(const Orthogonal& polynomials) {
 }
 
 /// The j-th of the polynomials that are one at one node and zero at the others.
-double lagrange(const Eigen::VectorXd& nodes, Eigen::Index j, double time) {
+double lagrange(const Eigen::VectorXd& nodes, Eigen::Index j, double time) {  // (S-61)
   double value = 1.0;
   for (Eigen::Index k = 0; k < nodes.size(); ++k) {
     if (k != j) value *= (time - nodes(k)) / (nodes(j) - nodes(k));
@@ -116,7 +116,7 @@ double lagrange(const Eigen::VectorXd& nodes, Eigen::Index j, double time) {
 }
 
 /// Whether the path's coefficient of the degree that is left out stands out of the noise.
-bool isBent(const std::vector<Point>& points, const Orthogonal& polynomials) {
+bool isBent(const std::vector<Point>& points, const Orthogonal& polynomials) {  // (S-61)
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   Eigen::Vector2d evidence = Eigen::Vector2d::Zero();
   for (const Point& point : points) {
@@ -135,7 +135,7 @@ struct Values {
   Eigen::MatrixXd covariance;  // [rad^2]
 };
 
-std::optional<Values> fit(const std::vector<Point>& points, const Eigen::VectorXd& nodes) {
+std::optional<Values> fit(const std::vector<Point>& points, const Eigen::VectorXd& nodes) {  // (S-61)
   const Eigen::Index m = nodes.size();
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(2 * m, 2 * m);
   Eigen::VectorXd evidence = Eigen::VectorXd::Zero(2 * m);

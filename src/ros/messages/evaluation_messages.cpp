@@ -1,8 +1,6 @@
 #include "sightline/ros/messages/evaluation_messages.h"
 
-#include <algorithm>
-#include <array>
-
+#include "sightline/core/estimators/estimators.h"
 #include "sightline/ros/messages/conversions.h"
 
 namespace sightline_ros {
@@ -47,8 +45,7 @@ core::TrackReport reportOf(const sightline::TrackArray& tracks) {
 }
 
 bool isFused(const sightline::TrackArray& tracks) {
-  static const std::array<const char*, 4> estimators = {"twbls", "noga", "kalman", "imm"};
-  return std::find(estimators.begin(), estimators.end(), tracks.estimator) == estimators.end();
+  return !core::isEstimatorName(tracks.estimator);
 }
 
 sightline::EvaluationRow toMessage(const core::EvaluationRow& row) {

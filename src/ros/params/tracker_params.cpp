@@ -16,7 +16,6 @@ constexpr int kMostNogaRows = 62;
 /// The names of an enumeration in the order of its values, from 0.
 using Names = std::vector<std::string>;
 
-const Names kEstimators = {"twbls", "noga", "kalman", "imm"};
 const Names kAssociations = {"nearest", "jpda"};
 const Names kGateShapes = {"ellipse", "rectangle"};
 const Names kTimeWeights = {"none", "linear", "exponential"};
@@ -105,7 +104,7 @@ std::vector<Model> loadBank(const ParamReader& reader, const std::string& key,
 }  // namespace
 
 std::string nameOf(core::EstimatorKind kind) {
-  return kEstimators[static_cast<std::size_t>(kind)];
+  return core::estimatorName(kind);
 }
 
 core::GateParams loadGateParams(const ParamReader& reader, core::GateParams params) {
@@ -246,7 +245,7 @@ core::ImmParams loadImmParams(const ParamReader& reader, core::ImmParams params)
 }
 
 core::EstimatorParams loadEstimatorParams(const ParamReader& reader, core::EstimatorParams params) {
-  params.kind = chosen(reader, "estimator", params.kind, kEstimators);
+  params.kind = chosen(reader, "estimator", params.kind, core::estimatorNames());
   const ParamReader twbls = reader.sub("twbls"), noga = reader.sub("noga");
   params.twbls_form = chosen(twbls, "form", params.twbls_form, kForms);
   params.twbls = loadTwblsParams(twbls.sub("paper"), params.twbls);

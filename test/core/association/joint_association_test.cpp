@@ -87,32 +87,6 @@ Problem scattered(int tracks, int sightings, double width, std::mt19937_64& rand
   return problem;
 }
 
-TEST(Clusters, PairsThatShareATrackOrASightingBelongTogether) {
-  const std::vector<GatedPair> pairs{{3, 0, 0.0}, {1, 5, 0.0}, {3, 2, 0.0},
-                                     {0, 7, 0.0}, {2, 5, 0.0}, {4, 2, 0.0}};
-  EXPECT_EQ(clusters(pairs), (std::vector<std::vector<int>>{{0, 2, 5}, {1, 4}, {3}}));
-}
-
-TEST(Clusters, OfNothingAreNone) {
-  EXPECT_TRUE(clusters({}).empty());
-}
-
-TEST(Clusters, NegativeIndexIsRefused) {
-  EXPECT_THROW(clusters({{-1, 0, 0.0}}), std::invalid_argument);
-  EXPECT_THROW(clusters({{0, -1, 0.0}}), std::invalid_argument);
-}
-
-TEST(Clusters, HundredThousandPairsInARingAreOne) {
-  std::vector<GatedPair> pairs;
-  for (int k = 0; k < 50'000; ++k) {
-    pairs.push_back({k, k, 0.0});
-    pairs.push_back({k, (k + 1) % 50'000, 0.0});
-  }
-  const auto groups = clusters(pairs);
-  ASSERT_EQ(groups.size(), 1U);
-  EXPECT_EQ(groups.front().size(), pairs.size());
-}
-
 TEST(JointProbabilities, OfOneTrackAreTheTextbooks) {
   // beta_0 = b / (b + l1 + l2) with b = 0.2, l1 = 0.5, l2 = 0.3.
   const auto found = jointProbabilities({{0, 0, std::log(0.5)}, {0, 1, std::log(0.3)}}, {0.2});

@@ -12,12 +12,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "sightline/core/estimators/imm.h"
-#include "sightline/core/estimators/kalman.h"
-#include "sightline/core/estimators/noga.h"
-#include "sightline/core/estimators/noga_consistent.h"
-#include "sightline/core/estimators/twbls.h"
-#include "sightline/core/estimators/twbls_consistent.h"
+#include "sightline/core/estimators/estimators.h"
 
 #include "support/simulated.h"
 
@@ -89,18 +84,22 @@ std::vector<Candidate> candidates() {
   printed_auto_regression.honest = false;
   wild.free_of_scale = wild.accurate = wild.honest = false;
   in_radians.free_of_scale = false;
-  return {{"Twbls", making<TwblsEstimator>(TwblsParams{}), line},
-          {"TwblsRaw", making<TwblsEstimator>(raw), raw_line},
-          {"TwblsFew", making<TwblsEstimator>(few), line},
-          {"TwblsConsistent", making<TwblsConsistentEstimator>(TwblsConsistentParams{}), {}},
-          {"NogaConsistent", making<NogaConsistentEstimator>(NogaConsistentParams{}), {}},
-          {"Noga", making<NogaEstimator>(NogaParams{}), auto_regression},
-          {"NogaPrinted", making<NogaEstimator>(printed), printed_auto_regression},
-          {"NogaWeighted", making<NogaEstimator>(weighted), wild},
-          {"NogaShort", making<NogaEstimator>(short_rows), wild},
-          {"Kalman", making<KalmanEstimator>(KalmanParams{}), {}},
-          {"KalmanAbsolute", making<KalmanEstimator>(absolute), in_radians},
-          {"Imm", making<ImmEstimator>(ImmParams{}), {}}};
+  std::vector<Candidate> all = {
+      {"Twbls", making<TwblsEstimator>(TwblsParams{}), line},
+      {"TwblsRaw", making<TwblsEstimator>(raw), raw_line},
+      {"TwblsFew", making<TwblsEstimator>(few), line},
+      {"TwblsConsistent", making<TwblsConsistentEstimator>(TwblsConsistentParams{}), {}},
+      {"NogaConsistent", making<NogaConsistentEstimator>(NogaConsistentParams{}), {}},
+      {"Noga", making<NogaEstimator>(NogaParams{}), auto_regression},
+      {"NogaPrinted", making<NogaEstimator>(printed), printed_auto_regression},
+      {"NogaWeighted", making<NogaEstimator>(weighted), wild},
+      {"NogaShort", making<NogaEstimator>(short_rows), wild},
+      {"Kalman", making<KalmanEstimator>(KalmanParams{}), {}},
+      {"KalmanAbsolute", making<KalmanEstimator>(absolute), in_radians},
+      {"Imm", making<ImmEstimator>(ImmParams{}), {}}};
+  for (const EstimatorEntry& entry : estimatorTable())
+    all.push_back({std::string("Default_") + entry.name, [make = entry.make] { return make({}); }, {}});
+  return all;
 }
 
 std::vector<Candidate> candidatesThatAre(bool Virtues::*virtue) {

@@ -468,7 +468,7 @@ std::vector<double> bitsOf(const ScanReport& report) {
 
 /// Scans of several sensors in order of time.
 std::vector<Scan> inOrder(std::vector<Scan> scans) {
-  std::sort(scans.begin(), scans.end(), precedes);
+  std::sort(scans.begin(), scans.end(), [](const Scan& a, const Scan& b) { return precedes(a, b); });
   return scans;
 }
 
@@ -673,7 +673,9 @@ TEST(LocalTracker, OneSensorWithAClockInThePastDoesNotDisturbTheOthers) {
   wrong.name = "wrong";
   ScanReport report;
   for (int k = 0; k < 200; ++k) {
-    if (k > 0) EXPECT_TRUE(tracker.onScan(wrong.look(-50.0 + 0.03 * k, {kStill})).refusal);
+    if (k > 0) {
+      EXPECT_TRUE(tracker.onScan(wrong.look(-50.0 + 0.03 * k, {kStill})).refusal);
+    }
     report = tracker.onScan(good.look(0.03 * k, {kStill}));
   }
   EXPECT_EQ(confirmed(report).size(), 1u);
@@ -773,9 +775,13 @@ TEST_P(Abuse, LeavesTracksFiniteAndCovariancesPositiveDefinite) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Estimators, Abuse,
-                         testing::Values(EstimatorKind::twbls, EstimatorKind::noga, EstimatorKind::kalman,
-                                         EstimatorKind::imm));
+std::vector<EstimatorKind> everyKind() {
+  std::vector<EstimatorKind> kinds;
+  for (const EstimatorEntry& entry : estimatorTable()) kinds.push_back(entry.kind);
+  return kinds;
+}
+
+INSTANTIATE_TEST_SUITE_P(Estimators, Abuse, testing::ValuesIn(everyKind()));
 
 }  // namespace
 }  // namespace sightline::core

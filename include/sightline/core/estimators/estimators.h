@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "sightline/core/estimators/estimator.h"
 #include "sightline/core/estimators/imm.h"
@@ -12,6 +14,7 @@
 
 namespace sightline::core {
 
+/// In the order of the table below, from 0.
 enum class EstimatorKind { twbls, noga, kalman, imm };
 
 /// The two forms of the paper's estimators.
@@ -32,6 +35,24 @@ struct EstimatorParams {
   KalmanParams kalman;
   ImmParams imm;
 };
+
+/// One estimator that a tracker can run.
+struct EstimatorEntry {
+  EstimatorKind kind;
+  const char* name;         ///< in parameters and in TrackArray.estimator
+  const char* description;  ///< one line
+  std::unique_ptr<Estimator> (*make)(const EstimatorParams& params);
+};
+
+/// All of them, in the order of EstimatorKind. What lists, names or makes estimators reads it from here.
+const std::vector<EstimatorEntry>& estimatorTable();
+
+std::vector<std::string> estimatorNames();
+
+/// Throws std::invalid_argument for a kind that is not in the table.
+std::string estimatorName(EstimatorKind kind);
+
+bool isEstimatorName(const std::string& name);
 
 /// A new estimator that knows nothing yet. Throws std::invalid_argument for settings that cannot work.
 std::unique_ptr<Estimator> makeEstimator(const EstimatorParams& params);

@@ -6,27 +6,12 @@
 #include <vector>
 
 #include "sightline/core/estimators/estimator.h"
-#include "sightline/core/estimators/harmonic_motion.h"
 #include "sightline/core/estimators/mode_chain.h"
+#include "sightline/core/estimators/noga_models.h"
 #include "sightline/core/estimators/noise_learning.h"
 #include "sightline/core/estimators/sighting_noise.h"
 
 namespace sightline::core {
-
-/// How a target may answer: one model of the bank. Quantities that have the angle in them are for an
-/// amplitude of 1 rad.
-struct ResponseModel {
-  enum class Kind { straight, harmonic, fixed_harmonic, fading };
-  Kind kind = Kind::straight;
-  double q = 1.0;  ///< density of white acceleration [rad^2/s^3] (straight) or white jerk [rad^2/s^5], >= 0
-  double q_kappa = 0.0;     ///< density of the drift of kappa [1/s^5] (harmonic), >= 0
-  double kappa = 0.0;       ///< the known kappa [1/s^2] (fixed_harmonic)
-  double fade = 1.0;        ///< time constant of the acceleration [s] (fading), > 0
-  double attraction = 1.0;  ///< in proportion to which it is probable at first and gone over to, > 0
-};
-
-/// The default bank, free of scale.
-std::vector<ResponseModel> defaultResponseModels();
 
 struct NogaConsistentParams {
   /// 1 to kMaxModes models, chosen on the scenarios of section 7.1 and on recordings of fireballs and a
@@ -74,14 +59,7 @@ class NogaConsistentEstimator final : public Estimator {
   const ModeArray& probabilities() const { return chain_.probabilities(); }
 
  private:
-  /// One model's belief: for each channel (x, v, a, kappa), the covariance of the azimuth's with the
-  /// elevation's, and the variance of the sightings over the stated one.
-  struct Belief {
-    Eigen::Vector4d mean[2] = {Eigen::Vector4d::Zero(), Eigen::Vector4d::Zero()};
-    Eigen::Matrix4d covariance[2] = {Eigen::Matrix4d::Zero(), Eigen::Matrix4d::Zero()};
-    Eigen::Matrix4d cross = Eigen::Matrix4d::Zero();
-    Eigen::Vector2d noise = Eigen::Vector2d::Ones();
-  };
+  using Belief = ResponseBelief;
   using Beliefs = std::array<Belief, kMaxModes>;
 
   NogaConsistentEstimator(const NogaConsistentEstimator&) = default;
@@ -92,9 +70,6 @@ class NogaConsistentEstimator final : public Estimator {
   Belief mixtureOfAll() const;
   template <int N>
   void blend(double share, const Belief& own, const Belief& other, Belief& mixed) const;
-  void stepStraight(Belief& belief, const ResponseModel& model, double h) const;
-  void stepHarmonic(Belief& belief, const ResponseModel& model, double h) const;
-  void stepLinear(Belief& belief, const ResponseModel& model, double h) const;
   double reduce(Belief& belief, const Measurement& measurement, bool is_straight) const;
   template <int N>
   double reduceChannel(Belief& belief, int channel, double position, double variance,

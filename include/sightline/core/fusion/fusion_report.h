@@ -1,15 +1,24 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include "sightline/core/fusion/global_track.h"
+#include "sightline/core/fusion/local_reports.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/track.h"
 #include "sightline/core/sensors/sensor_guard.h"
 
 namespace sightline::core {
+
+class GlobalTracks;
 
 /// How local tracks of one target become one; the rules for estimates are in fusion_rules.h.
 enum class FusionRule {
@@ -58,5 +67,31 @@ struct FusionReport {
   /// Empty when used.
   std::string refusal;
 };
+
+/// Each source's share in the fused position, summing to one: by the position block of its gain.
+std::vector<double> positionShares(const std::vector<Eigen::Matrix4d>& gains);
+
+/// Describes that `used` made the track's state, with these shares; `reporting` is the tracker whose report
+/// caused the fusion.
+void describeFusion(const GlobalTrack& track, const std::vector<std::size_t>& used,
+                    const std::vector<double>& shares, const std::string& reporting, FusedTrack& description);
+
+/// Describes that no supporter did, and the state is a prediction.
+void describeCoasting(const GlobalTrack& track, FusedTrack& description);
+
+/// Lists the supporters that were not used, each with the reason.
+void describeLeftOut(const GlobalTrack& track,
+                     const std::vector<std::pair<std::size_t, std::string>>& left_out,
+                     FusedTrack& description);
+
+/// The report of all global tracks, and of the local tracks that support none: of these each with the reason.
+/// `waiting`: local tracks whose place another supporter still has, with the id of that global track.
+FusionReport describe(const GlobalTracks& tracks, const LocalReports& reports,
+                      const std::map<LocalKey, std::uint32_t>& waiting);
+
+/// The latest report again, with the tracks of a local report that was refused left out (at most `max_tracks`
+/// left out in all).
+FusionReport describeRefused(const FusionReport& latest, const LocalReport& refused, const std::string& why,
+                             std::size_t max_tracks);
 
 }  // namespace sightline::core

@@ -79,6 +79,10 @@ class LocalReports {
   /// How old a report of this tracker may be and still count [s].
   double maxAge(const std::string& tracker) const;
 
+  /// Why a track of this tracker does not count ("kind: details"): invalid, tentative or stale. Empty when it
+  /// does.
+  std::string whyUnusable(const std::string& tracker, const LocalTrack& local) const;
+
   /// By name.
   const std::map<std::string, Tracker>& trackers() const { return trackers_; }
 

@@ -47,7 +47,7 @@ constexpr int kMostNodes = 4;
 ///
 /// The sightings of a span are replaced by `nodes` tracklets at the nodes of Gauss's quadrature for their
 /// weights in time, with values on the least squares polynomial of degree `nodes` - 1. One node is the
-/// centroid of estimators.md, section 6. Two keep all that is in the sightings of a target in straight
+/// centroid (S-60). Two keep all that is in the sightings of a target in straight
 /// flight - place, rate and their joint covariance, for any estimator - and, as the nodes are where the
 /// straight line crosses a parabola, are not biased by a steady acceleration either. What is lost is what the
 /// sightings of one span say of the coefficient of degree `nodes`; where that stands out of the noise the

@@ -36,7 +36,7 @@ sightline::core::KalmanParams loadKalmanParams(const ParamReader& reader,
                                                sightline::core::KalmanParams defaults = {});
 sightline::core::ImmParams loadImmParams(const ParamReader& reader, sightline::core::ImmParams defaults = {});
 
-/// `estimator` (which one) and the sub-namespaces `twbls`, `noga`, `kalman`, `imm`.
+/// `estimator` (a name of core::estimatorTable()) and a sub-namespace of settings for each, named as it is.
 sightline::core::EstimatorParams loadEstimatorParams(const ParamReader& reader,
                                                      sightline::core::EstimatorParams defaults = {});
 
@@ -48,7 +48,7 @@ sightline::core::LocalTrackerParams loadLocalTrackerParams(const ParamReader& re
 sightline::core::TrackletParams loadTrackletParams(const ParamReader& reader,
                                                    sightline::core::TrackletParams defaults = {});
 
-/// twbls, noga, kalman, imm.
+/// Its name in core::estimatorTable().
 std::string nameOf(sightline::core::EstimatorKind kind);
 
 }  // namespace sightline_ros

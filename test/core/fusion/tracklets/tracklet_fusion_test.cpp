@@ -68,13 +68,16 @@ EstimatorParams estimatorOf(EstimatorKind kind) {
   return estimator;
 }
 
-const EstimatorKind kKinds[] = {EstimatorKind::twbls, EstimatorKind::noga, EstimatorKind::kalman,
-                                EstimatorKind::imm};
+std::vector<EstimatorKind> everyKind() {
+  std::vector<EstimatorKind> kinds;
+  for (const EstimatorEntry& entry : estimatorTable()) kinds.push_back(entry.kind);
+  return kinds;
+}
 
 TEST(TrackletFusion, EqualsTheCentralTracker) {
   // The same estimator on the same sightings in the same order: nothing but rounding may differ. That grows
   // with the estimator's memory, and angles of 0.3 rad against sigmas of 1e-4 rad leave 1e-12 of a sigma.
-  for (const EstimatorKind kind : kKinds) {
+  for (const EstimatorKind kind : everyKind()) {
     Platform platform = threeSensors();
     platform.tracker.estimator = platform.fusion.tracklets.estimator = estimatorOf(kind);
     EXPECT_LT(worstDisagreement(run(platform), 0.5), 1e-7) << static_cast<int>(kind);
@@ -133,7 +136,7 @@ TEST(TrackletFusion, ReportsEvery300MillisecondsAreAsAccurateAsTheCentralTracker
 }
 
 TEST(TrackletFusion, OrderOfArrivalDoesNotMatter) {
-  for (const EstimatorKind kind : kKinds) {
+  for (const EstimatorKind kind : everyKind()) {
     Platform platform = threeSensors();
     platform.tracker.estimator = platform.fusion.tracklets.estimator = estimatorOf(kind);
     platform.duration = 3.0;

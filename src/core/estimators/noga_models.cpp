@@ -1,0 +1,121 @@
+#include "sightline/core/estimators/noga_models.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "sightline/core/estimators/harmonic_motion.h"
+#include "sightline/core/model/kinematics.h"
+
+namespace sightline::core {
+namespace {
+
+// In units of the model; kappa in 1/s^2.
+constexpr double kUnusedSigma = 1.0;      // of acceleration and kappa after a model that does not know them
+constexpr double kFixedKappaSigma = 4.0;  // of the kappa that a fixed harmonic hands to the others
+
+/// Constant velocity with white acceleration; of acceleration and kappa, of which it knows nothing, it says
+/// N(0, sigma^2) each.
+// (S-17)
+void stepStraight(ResponseBelief& belief, const ResponseModel& model, const Eigen::Vector2d& units, double h,
+                  bool is_coupled) {
+  const double age = std::abs(h);
+  for (int channel = 0; channel < 2; ++channel) {
+    const double unit = units(channel), q = model.q * unit * unit;
+    Eigen::Vector4d& x = belief.mean[channel];
+    Eigen::Matrix4d& P = belief.covariance[channel];
+    x << x(0) + h * x(1), x(1), 0.0, 0.0;
+    P(0, 0) += 2.0 * h * P(0, 1) + h * h * P(1, 1) + q * age * age * age / 3.0;
+    P(0, 1) += h * P(1, 1) + q * h * age / 2.0;
+    P(1, 0) = P(0, 1);
+    P(1, 1) += q * age;
+    P.topRightCorner<2, 2>().setZero();
+    P.bottomLeftCorner<2, 2>().setZero();
+    P.bottomRightCorner<2, 2>() << kUnusedSigma * unit * kUnusedSigma * unit, 0.0,  //
+        0.0, kUnusedSigma * kUnusedSigma;
+  }
+  if (is_coupled) {
+    const Eigen::Matrix2d F = (Eigen::Matrix2d() << 1.0, h, 0.0, 1.0).finished();
+    belief.cross.topLeftCorner<2, 2>() = F * belief.cross.topLeftCorner<2, 2>() * F.transpose();
+  }
+}
+
+/// The unknown kappa makes the motion of each channel another one.
+// (S-8)
+void stepHarmonic(ResponseBelief& belief, const ResponseModel& model, const Eigen::Vector2d& units, double h,
+                  bool is_coupled) {
+  Eigen::Matrix4d F[2];
+  for (int channel = 0; channel < 2; ++channel) {
+    const double unit = units(channel);
+    Eigen::Matrix4d& P = belief.covariance[channel];
+    const Transition step = harmonicStep(belief.mean[channel], h, model.q * unit * unit, model.q_kappa);
+    belief.mean[channel] = step.mean;
+    F[channel] = step.F;
+    P = symmetric(step.F * P * step.F.transpose() + step.Q);
+  }
+  if (is_coupled) belief.cross = F[0] * belief.cross * F[1].transpose();
+}
+
+/// Motions that are linear, and alike in both channels.
+// (S-8), (S-29)
+void stepLinear(ResponseBelief& belief, const ResponseModel& model, const Eigen::Vector2d& units, double h,
+                bool is_coupled) {
+  const Eigen::Vector4d origin = Eigen::Vector4d::Zero();
+  const Transition step = model.kind == ResponseModel::Kind::fading
+                              ? fadingStep(origin, h, 1.0, model.fade, kUnusedSigma)
+                              : fixedHarmonicStep(origin, h, 1.0, model.kappa, kFixedKappaSigma);
+  for (int channel = 0; channel < 2; ++channel) {
+    const double unit = units(channel);
+    Eigen::Matrix4d& P = belief.covariance[channel];
+    Eigen::Matrix4d Q = step.Q;
+    Q.topLeftCorner<3, 3>() *= model.q * unit * unit;
+    belief.mean[channel] = step.F * belief.mean[channel] + step.mean;
+    P = symmetric(step.F * P * step.F.transpose() + Q);
+  }
+  if (is_coupled) belief.cross = step.F * belief.cross * step.F.transpose();
+}
+
+}  // namespace
+
+std::vector<ResponseModel> defaultResponseModels() {
+  return {{ResponseModel::Kind::straight, 1e-4},
+          {ResponseModel::Kind::straight, 0.01},
+          {ResponseModel::Kind::straight, 0.05},
+          {ResponseModel::Kind::straight, 0.25},
+          {ResponseModel::Kind::straight, 1.25},
+          {ResponseModel::Kind::straight, 30.0, 0.0, 0.0, 1.0, 0.2},
+          {ResponseModel::Kind::harmonic, 1e-3, 1e-2, 0.0, 1.0, 4.0},
+          {ResponseModel::Kind::harmonic, 0.3, 1.0, 0.0, 1.0, 0.3},
+          {ResponseModel::Kind::fixed_harmonic, 1.0, 0.0, 8.0, 1.0, 0.05},
+          {ResponseModel::Kind::fading, 0.3, 0.0, 0.0, 2.0},
+          {ResponseModel::Kind::fading, 10.0, 0.0, 0.0, 2.0},
+          {ResponseModel::Kind::fading, 1000.0, 0.0, 0.0, 2.0, 0.5}};
+}
+
+void check(const ResponseModel& model) {
+  if (!(model.q >= 0.0) || !(model.q_kappa >= 0.0) || !std::isfinite(model.kappa) || !(model.fade > 0.0) ||
+      !(model.attraction > 0.0)) {
+    throw std::invalid_argument(
+        "NogaConsistentParams: a model needs q >= 0, q_kappa >= 0, a finite kappa, fade > 0 s and "
+        "attraction > 0, "
+        "got q " +
+        std::to_string(model.q) + ", q_kappa " + std::to_string(model.q_kappa) + ", kappa " +
+        std::to_string(model.kappa) + ", fade " + std::to_string(model.fade) + ", attraction " +
+        std::to_string(model.attraction));
+  }
+}
+
+void step(ResponseBelief& belief, const ResponseModel& model, const Eigen::Vector2d& units, double h,
+          bool is_coupled) {
+  switch (model.kind) {
+    case ResponseModel::Kind::straight:
+      return stepStraight(belief, model, units, h, is_coupled);
+    case ResponseModel::Kind::harmonic:
+      return stepHarmonic(belief, model, units, h, is_coupled);
+    case ResponseModel::Kind::fixed_harmonic:
+    case ResponseModel::Kind::fading:
+      return stepLinear(belief, model, units, h, is_coupled);
+  }
+}
+
+}  // namespace sightline::core

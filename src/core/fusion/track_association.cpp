@@ -1,0 +1,306 @@
+#include "sightline/core/fusion/track_association.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <optional>
+
+#include "sightline/core/association/assignment.h"
+#include "sightline/core/fusion/contributors.h"
+#include "sightline/core/model/sphere.h"
+
+namespace sightline::core {
+namespace {
+
+constexpr double kForbidden = std::numeric_limits<double>::infinity();  // cost, see assign()
+constexpr double kReachSlack = 2.0;        // of the gate, before distances are computed exactly
+constexpr double kMergeSlack = 8.0;        // the same for global tracks, whose states are not their estimates
+constexpr std::size_t kMostCompared = 30;  // tracks of a report that show their tracker's misalignment
+constexpr double kShortAge = 0.2;          // for which that is enough [s]
+
+/// Something to be assigned to a global track: a free local track, or (without key) a global track.
+struct Row {
+  std::optional<LocalKey> key;
+  std::size_t entry = 0;  // without key
+  AngularState state_tracking;
+  Time time;
+};
+
+/// What the costs depend on beside rows and columns.
+struct CostContext {
+  const GlobalTracks& tracks;
+  const TrackerMisalignment& misalignment;
+  double join_threshold;
+
+  double sigmaOf(const Row& row) const {
+    return row.key ? misalignment.sigma(row.key->tracker) : misalignment.largestSigma();
+  }
+};
+
+struct Costs {
+  Eigen::MatrixXd pairs;  // by row and column
+  double alone = 0.0;
+};
+
+/// Whether two global tracks may be one, before that is computed exactly.
+bool areNear(const GlobalTrack& a, const GlobalTrack& b, const CostContext& context) {
+  const double variance = a.state().anglesCovariance().trace() + b.state().anglesCovariance().trace() +
+                          2.0 * context.misalignment.largestSigma() * context.misalignment.largestSigma();
+  const Eigen::Vector3d apart =
+      a.chart().directionAt(a.state().angles()) - b.chart().directionAt(b.state().angles());
+  return apart.squaredNorm() <= kMergeSlack * context.join_threshold * variance;
+}
+
+/// Whether a row at `place` in an estimate's chart is outside its gate for certain, however its covariance
+/// grows on the way to the common time.
+bool isFarAway(const Row& row, const Eigen::Vector2d& place, const Estimate<4>& estimate,
+               const CostContext& context) {
+  const double age = std::abs(seconds(context.tracks.time() - row.time));
+  if (age > kShortAge) return false;
+  const Eigen::Vector2d apart = angleDifference(place, estimate.mean.head<2>());
+  const double variance = row.state_tracking.covariance.trace() +  // of rates too: they grow in < 1 s
+                          estimate.covariance.topLeftCorner<2, 2>().trace() +
+                          2.0 * context.sigmaOf(row) * context.sigmaOf(row);
+  const double reach = std::sqrt(kReachSlack * context.join_threshold * variance) +
+                       age * row.state_tracking.mean.tail<2>().norm();
+  return apart.squaredNorm() > reach * reach;
+}
+
+/// Normalised distances squared and ln det of their covariances, so that a vague track near to many does not
+/// take a sharp one's place; forbidden beyond the gate, and between global tracks with a tracker in common.
+/// To stay alone costs as much as the vaguest pair at the gate.
+Costs costsOf(const std::vector<Row>& rows, const std::vector<std::size_t>& columns,
+              const CostContext& context) {
+  const std::vector<GlobalTrackEntry>& entries = context.tracks.entries();
+  std::optional<double> largest_log_determinant;
+  Eigen::MatrixXd costs = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(rows.size()),
+                                                    static_cast<Eigen::Index>(columns.size()), kForbidden);
+  std::vector<Eigen::Vector3d> directions;
+  for (const Row& row : rows) directions.push_back(directionOf(row.state_tracking.angles()));
+  for (Eigen::Index column = 0; column < costs.cols(); ++column) {
+    const GlobalTrack& track = entries[columns[static_cast<std::size_t>(column)]].track;
+    const Estimate<4> estimate = track.opinion();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const Row& row = rows[i];
+      const Eigen::Vector2d place = track.chart().coordinatesOf(directions[i]);
+      if (isFarAway(row, place, estimate, context) || !track.chart().holds(place)) continue;
+      if (!row.key && entries[row.entry].track.hasAnyTrackerOf(track)) continue;
+      const AngularState aligned = track.aligned(row.state_tracking, row.time);
+      const double distance_squared =
+          distanceSquared({aligned.mean, aligned.covariance}, estimate, context.sigmaOf(row));
+      if (!(distance_squared <= context.join_threshold)) continue;
+      const double log_determinant = uncertainty({estimate.mean, aligned.covariance + estimate.covariance});
+      costs(static_cast<Eigen::Index>(i), column) = distance_squared + log_determinant;
+      largest_log_determinant = std::max(largest_log_determinant.value_or(log_determinant), log_determinant);
+    }
+  }
+  const bool is_finite = largest_log_determinant && std::isfinite(*largest_log_determinant);
+  return {costs, is_finite ? context.join_threshold + *largest_log_determinant : 0.0};
+}
+
+/// How far a tracker's supporter is from the others' estimate; nullopt where there is none to compare.
+std::optional<Disagreement> disagreementOf(const GlobalTrack& track, const std::string& tracker) {
+  const std::size_t number = track.numberOf(tracker);
+  if (number >= track.supporters().size()) return std::nullopt;
+  const Supporter& supporter = track.supporters()[number];
+  const bool contradicts = supporter.contradicts_since.has_value();
+  if (!supporter.unusable.empty() && !contradicts) return std::nullopt;
+  const std::optional<Estimate<4>> others = track.opinionWithout(tracker);
+  if (!others) return std::nullopt;
+  const Eigen::Vector2d apart = angleDifference(supporter.state.angles(), others->mean.head<2>());
+  const Eigen::Matrix2d S = supporter.state.anglesCovariance() + others->covariance.topLeftCorner<2, 2>();
+  return Disagreement{apart.squaredNorm(), 0.5 * S.trace()};
+}
+
+/// The ids of global tracks without supporters that one of these moves has left for another.
+std::vector<std::uint32_t> leftBy(const std::vector<SupporterMove>& moves,
+                                  const std::vector<GlobalTrackEntry>& entries) {
+  std::vector<std::uint32_t> left;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const bool is_left = entries[i].track.supporters().empty() &&
+                         std::any_of(moves.begin(), moves.end(),
+                                     [i](const SupporterMove& it) { return it.present == i && it.best; });
+    if (is_left) left.push_back(entries[i].track.id());
+  }
+  return left;
+}
+
+}  // namespace
+
+TrackAssociation::TrackAssociation(const TrackFusionParams& params)
+    : params_(params), thresholds_(thresholdsOf(params)), misalignment_(params.registration_sigma) {}
+
+void TrackAssociation::learnMisalignment(const GlobalTracks& tracks, const std::string& reporting) {
+  std::vector<Disagreement> disagreements;
+  for (const GlobalTrackEntry& entry : tracks.entries()) {
+    if (disagreements.size() >= kMostCompared) break;
+    if (const auto disagreement = disagreementOf(entry.track, reporting))
+      disagreements.push_back(*disagreement);
+  }
+  misalignment_.take(reporting, std::move(disagreements));
+}
+
+void TrackAssociation::splitContradicting(GlobalTracks& tracks, const std::string& reporting) const {
+  for (GlobalTrackEntry& entry : tracks.entries()) {
+    const std::vector<std::size_t> contradicting =
+        entry.track.leaveOutContradictions(misalignment_, thresholds_.contradict, reporting);
+    for (auto number = contradicting.rbegin(); number != contradicting.rend(); ++number) {
+      const Time since = *entry.track.supporters()[*number].contradicts_since;
+      if (seconds(tracks.time() - since) >= params_.leave_after) removeSupporter(entry, *number);
+    }
+  }
+}
+
+void TrackAssociation::reassign(GlobalTracks& tracks, const LocalReports& reports,
+                                const TrackletMemory& memory, const std::string& tracker) {
+  for (auto it = waiting_.begin(); it != waiting_.end();)
+    it = it->first.tracker == tracker ? waiting_.erase(it) : std::next(it);
+
+  const std::vector<SupporterMove> misplaced = misplacedOf(tracks, reports, tracker);
+  for (auto first = misplaced.begin(); first != misplaced.end();) {
+    const auto last = std::find_if(first, misplaced.end(),
+                                   [first](const SupporterMove& it) { return it.group != first->group; });
+    const std::vector<SupporterMove> group(first, last);
+    if (isDue(group, tracks)) {
+      move(group, tracks, reports, memory);
+    } else {
+      wait(group, tracks);
+    }
+    first = last;
+  }
+  tracks.erase(leftBy(misplaced, tracks.entries()));
+}
+
+/// By group; each remembers since when it is. One that has no better place stays as long as nobody wants its.
+std::vector<SupporterMove> TrackAssociation::misplacedOf(GlobalTracks& tracks, const LocalReports& reports,
+                                                         const std::string& tracker) const {
+  std::vector<const GlobalTrack*> candidates;
+  for (const GlobalTrackEntry& entry : tracks.entries()) candidates.push_back(&entry.track);
+  const std::vector<SupporterMove> moves =
+      supporterMoves(tracker, freeTracksOf(tracks, reports, tracker), candidates,
+                     {thresholds_.join, misalignment_.sigma(tracker)});
+
+  const auto isWanted = [&moves](std::size_t place) {
+    return std::any_of(moves.begin(), moves.end(),
+                       [place](const SupporterMove& it) { return it.best == place && it.present != place; });
+  };
+  std::vector<SupporterMove> misplaced;
+  for (const SupporterMove& it : moves) {
+    if (!it.isRight() && (it.best || isWanted(*it.present))) misplaced.push_back(it);
+  }
+  for (std::size_t i = 0; i < tracks.entries().size(); ++i) {
+    GlobalTrack& track = tracks.entries()[i].track;
+    if (!track.hasTracker(tracker)) continue;
+    track.setMisplaced(track.numberOf(tracker),
+                       std::any_of(misplaced.begin(), misplaced.end(),
+                                   [i](const SupporterMove& it) { return it.present == i; }));
+  }
+  return misplaced;
+}
+
+/// Whether one of the group has been misplaced for `leave_after`.
+bool TrackAssociation::isDue(const std::vector<SupporterMove>& moves, const GlobalTracks& tracks) const {
+  return std::any_of(moves.begin(), moves.end(), [&](const SupporterMove& it) {
+    if (!it.present) return false;
+    const GlobalTrack& track = tracks.entries()[*it.present].track;
+    const Supporter& supporter = track.supporters()[track.numberOf(it.key.tracker)];
+    return seconds(tracks.time() - *supporter.misplaced_since) >= params_.leave_after;
+  });
+}
+
+/// First all leave, then each joins. The tracklets of a moved track since it was misplaced are taken back
+/// from the global track that it leaves, and those before are not used in the one that it joins.
+void TrackAssociation::move(const std::vector<SupporterMove>& moves, GlobalTracks& tracks,
+                            const LocalReports& reports, const TrackletMemory& memory) const {
+  std::vector<std::optional<Time>> since(moves.size());
+  for (std::size_t k = 0; k < moves.size(); ++k) {
+    if (!moves[k].present) continue;
+    GlobalTrackEntry& entry = tracks.entries()[*moves[k].present];
+    const std::size_t number = entry.track.numberOf(moves[k].key.tracker);
+    since[k] = entry.track.supporters()[number].misplaced_since;
+    removeSupporter(entry, number);
+  }
+  for (std::size_t k = 0; k < moves.size(); ++k) {
+    if (!moves[k].best) continue;
+    GlobalTrackEntry& entry = tracks.entries()[*moves[k].best];
+    if (since[k]) entry.tracklets.passOver(moves[k].key, *since[k], memory);
+    entry.track.join(moves[k].key, *reports.find(moves[k].key));
+    entry.track.compareSupporters(misalignment_);
+  }
+}
+
+/// The free ones of the group that should have a place which another still has wait for it.
+void TrackAssociation::wait(const std::vector<SupporterMove>& moves, const GlobalTracks& tracks) {
+  for (const SupporterMove& it : moves) {
+    if (it.present || !it.best) continue;
+    const GlobalTrack& track = tracks.entries()[*it.best].track;
+    if (track.hasTracker(it.key.tracker)) waiting_[it.key] = track.id();
+  }
+}
+
+void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& reports,
+                                 const std::string& tracker, bool merge) const {
+  std::vector<Row> rows;
+  for (const auto& [key, local] : freeTracksOf(tracks, reports, tracker))
+    rows.push_back({key, 0, local.track.state, local.time});
+  if (rows.empty() && !merge) return;
+  const CostContext context{tracks, misalignment_, thresholds_.join};
+  const std::vector<GlobalTrackEntry>& entries = tracks.entries();
+  std::vector<std::size_t> columns, supported;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (seconds(tracks.time() - entries[i].track.lastFusion()) > params_.delete_after) continue;
+    (entries[i].track.hasTracker(tracker) ? supported : columns).push_back(i);
+  }
+  for (const std::size_t i : supported) {
+    if (!merge) break;
+    const GlobalTrack& track = entries[i].track;
+    const bool has_neighbour = std::any_of(columns.begin(), columns.end(), [&](std::size_t column) {
+      return areNear(track, entries[column].track, context);
+    });
+    if (!has_neighbour) continue;
+    const Estimate<4> estimate = track.opinion();
+    rows.push_back({{}, i, track.chart().toTracking({estimate.mean, estimate.covariance}), tracks.time()});
+  }
+  if (rows.empty()) return;
+
+  const Costs costs = costsOf(rows, columns, context);
+  const std::vector<int> found = assign(costs.pairs, costs.alone);
+  std::vector<std::pair<std::size_t, std::size_t>> same;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const std::optional<LocalKey>& key = rows[row].key;
+    if (found[row] < 0) {
+      if (key) tracks.start(*key, *reports.find(*key));
+      continue;
+    }
+    const std::size_t entry = columns[static_cast<std::size_t>(found[row])];
+    if (key) {
+      tracks.entries()[entry].track.join(*key, *reports.find(*key));
+      tracks.entries()[entry].track.compareSupporters(misalignment_);
+    } else {
+      same.emplace_back(rows[row].entry, entry);
+    }
+  }
+  tracks.merge(same, misalignment_);
+}
+
+/// Usable tracks of the tracker that support no global one and do not wait for a place.
+TrackAssociation::FreeTracks TrackAssociation::freeTracksOf(const GlobalTracks& tracks,
+                                                            const LocalReports& reports,
+                                                            const std::string& tracker) const {
+  FreeTracks free;
+  const std::vector<std::uint32_t> supporters = tracks.supportersOf(tracker);
+  for (const auto& [id, local] : reports.trackers().at(tracker).tracks) {
+    if (std::binary_search(supporters.begin(), supporters.end(), id)) continue;
+    if (!reports.whyUnusable(tracker, local).empty() || waiting_.count({tracker, id}) > 0) continue;
+    free.emplace_back(LocalKey{tracker, id}, local);
+  }
+  return free;
+}
+
+void TrackAssociation::reset() {
+  waiting_.clear();
+  misalignment_ = TrackerMisalignment(params_.registration_sigma);
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,48 @@
+#include "sightline/core/fusion/track_fusion_params.h"
+
+#include <stdexcept>
+#include <string>
+
+#include "sightline/core/model/chi_square.h"
+
+namespace sightline::core {
+namespace {
+
+void check(bool holds, const std::string& rule) {
+  if (!holds) throw std::invalid_argument("TrackFusionParams: " + rule);
+}
+
+}  // namespace
+
+void requireValid(const TrackFusionParams& params) {
+  check(params.gate_probability > 0.0 && params.gate_probability < 1.0,
+        "gate_probability in (0, 1) is required");
+  check(params.leave_factor >= 1.0, "leave_factor >= 1 is required");
+  check(params.leave_after >= 0.0, "leave_after >= 0 s is required");
+  check(params.registration_sigma >= 0.0, "registration_sigma >= 0 rad is required");
+  check(params.process_noise >= 0.0,
+        "process_noise >= 0 rad^2/s^3 is required (0 = implied by the covariances)");
+  check(params.coasting_age >= 0.0 && params.delete_after >= 0.0 && params.remember >= 0.0,
+        "coasting_age, delete_after and remember >= 0 s are required");
+  check(params.reports.max_age > 0.0 && params.reports.forget_after >= params.reports.max_age,
+        "max_age > 0 s and forget_after >= max_age are required");
+  check(params.max_tracks >= 1 && params.reports.max_tracks >= 1 && params.reports.max_trackers >= 1,
+        "limits >= 1 are required");
+  const TrackletFusionParams& tracklets = params.tracklets;
+  check(tracklets.max_lag > 0.0 && tracklets.memory > 0.0 && tracklets.max_missing >= 0.0 &&
+            tracklets.max_missing <= 1.0,
+        "tracklets: max_lag and memory > 0 s, max_missing in [0, 1] are required");
+  SensorGuard(tracklets.guard);
+  makeEstimator(tracklets.estimator);  // refuses what cannot work before the first tracklet comes
+}
+
+TrackletMemoryParams memoryParamsOf(const TrackFusionParams& params) {
+  return {params.tracklets.max_lag + params.tracklets.memory, params.reports.max_trackers};
+}
+
+DistanceThresholds thresholdsOf(const TrackFusionParams& params) {
+  const double join = chiSquareQuantile4(params.gate_probability);
+  return {join, params.leave_factor * join};
+}
+
+}  // namespace sightline::core
