@@ -20,14 +20,6 @@ const char* const kUsage =
     "  --tracking-frame F   frame in which targets are tracked (default: that of the running trackers, or "
     "platform_enu)\n";
 
-double secondsFrom(const CommandLine& line) {
-  const std::string text = line.option("--seconds", "10");
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (!text.empty() && *end == '\0' && std::isfinite(value) && value > 0.0) return value;
-  throw UsageError("--seconds: expected a number above 0, got \"" + text + "\"");
-}
-
 std::string millis(const std::optional<double>& seconds) {
   char text[32] = "-";
   if (seconds) std::snprintf(text, sizeof text, "%.1f", 1e3 * *seconds);
@@ -53,9 +45,9 @@ void printSensors(const InputDoctor& doctor, double seconds) {
 
 /// How many things are wrong.
 std::size_t examine(const std::vector<std::string>& words) {
-  const CommandLine line(words, {"--seconds", "--tracking-frame"}, 0, 0);
+  const sightline::report::CommandLine line(words, {"--seconds", "--tracking-frame"}, 0, 0);
   DoctorParams params;
-  params.seconds = secondsFrom(line);
+  params.seconds = line.number("--seconds", params.seconds, sightline::report::NumberRange::above_zero);
   params.tracking_frame = line.option("--tracking-frame", "");
   if (!ros::master::check()) {
     throw std::runtime_error("there is no ROS master at " + ros::master::getURI() +
@@ -83,7 +75,7 @@ std::size_t examine(const std::vector<std::string>& words) {
 int main(int argc, char** argv) {
   ros::init(argc, argv, "sightline_doctor", ros::init_options::AnonymousName);
   std::size_t wrong = 0;
-  const int code = sightline_ros::runTool(
+  const int code = sightline::report::runTool(
       argc, argv, kUsage, [&](const std::vector<std::string>& words) { wrong = examine(words); });
   return code == 0 && wrong > 0 ? 1 : code;
 }
