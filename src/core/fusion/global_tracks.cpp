@@ -29,8 +29,8 @@ void leaveOutBiased(GlobalTrackEntry& entry) {
   const auto& supporters = entry.track.supporters();
   for (std::size_t i = 0; i < supporters.size(); ++i) {
     if (!supporters[i].unusable.empty()) continue;
-    const std::string why = entry.tracklets.whyExcluded(supporters[i].key);
-    if (!why.empty()) entry.track.setUnusable(i, why);
+    const auto exclusion = entry.tracklets.exclusionOf(supporters[i].key);
+    if (exclusion) entry.track.setUnusable(i, textOf(*exclusion));
   }
 }
 

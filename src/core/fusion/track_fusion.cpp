@@ -33,7 +33,8 @@ FusionReport TrackFusion::onReport(const LocalReport& report) {
 }
 
 std::string TrackFusion::onTracklets(const TrackletReport& report) {
-  return tracklets_.take(report);
+  const auto refusal = tracklets_.take(report);
+  return refusal ? textOf(*refusal) : std::string();
 }
 
 void TrackFusion::reset() {

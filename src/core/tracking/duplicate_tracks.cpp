@@ -32,6 +32,7 @@ bool areFarApart(const TrackPrediction& a, const TrackPrediction& b) {
 
 }  // namespace
 
+// (S-44)
 std::vector<std::uint32_t> DuplicateTracks::watch(const std::vector<TrackPrediction>& predictions,
                                                   const AssociationResult& result, int scans) {
   std::vector<Pair> together;

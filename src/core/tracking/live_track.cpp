@@ -96,6 +96,7 @@ void LiveTrack::update(const Scan& scan, const Sighting& sighting, const TrackPr
   stated.covariance = prediction.state.anglesCovariance() + prediction.noiseOf(sighting);
   const Eigen::Vector2d innovation = angleDifference(measurement.position, prediction.state.angles());
   const double seen = std::min(distanceSquared(stated, innovation) / 2.0, kLargestInnovation);
+  // (S-41)
   if (measurement.is_certain) innovation_scale_ += kInnovationMemory * (seen - innovation_scale_);
 
   estimator_.update(measurement);
@@ -113,7 +114,7 @@ void LiveTrack::miss(const Scan& scan, const TrackPrediction& prediction, double
 }
 
 /// Sightings that are calmer than stated have a slowly varying error in the stated accuracy beside their
-/// noise. `innovation`: of the last sighting, in the chart [rad].
+/// noise, (S-42). `innovation`: of the last sighting, in the chart [rad].
 void LiveTrack::noteSource(const Scan& scan, const Eigen::Vector2d& innovation) {
   const Eigen::Vector2d noise = scan.noise_scale * estimator_.noiseScale();
   const Eigen::Vector2d share = (Eigen::Vector2d::Ones() - kNoiseMargin * noise).cwiseMax(0.0);
@@ -121,6 +122,7 @@ void LiveTrack::noteSource(const Scan& scan, const Eigen::Vector2d& innovation) 
   sensors_.noteSighting(scan.sensor, scan.time, innovation, last_covariance_, slow_error);
 }
 
+// (S-43)
 double LiveTrack::logDensityOfReturn(const LiveTrack& fresh, Time time) const {
   const AngularState mine = estimator_.stateInChart(time);
   const AngularState its = estimator_.chart().fromTracking(fresh.estimator_.stateAt(time));
@@ -155,7 +157,7 @@ Eigen::Matrix2d LiveTrack::lastNoise() const {
   return noiseCovariance(last_covariance_, estimator_.noiseScale());
 }
 
-/// How many times as wide as the sightings' own sigma makes it the gate is.
+/// How many times as wide as the sightings' own sigma makes it the gate is, (S-41).
 double LiveTrack::spread(const AngularState& state, bool adapt_gate) const {
   const Eigen::Matrix2d R = lastNoise();
   const Eigen::Matrix2d S = gateScale(adapt_gate) * (state.anglesCovariance() + R);

@@ -286,8 +286,8 @@ void LocalTracker::learnDetection(const AssociatedScan& associated) {
   state_.detection.take(associated.scan, looked, seen, falseness);
 }
 
-/// A track that has just been confirmed may be of a target that was lost, or is about to be: then it goes on
-/// as that track, if that is more likely than a new target there.
+/// (S-43): a track that has just been confirmed may be of a target that was lost, or is about to be: then it
+/// goes on as that track, if that is more likely than a new target there.
 void LocalTracker::reacquire(std::uint32_t id, AssociatedScan& associated) {
   const Scan& scan = associated.scan;
   auto& tracks = state_.tracks;

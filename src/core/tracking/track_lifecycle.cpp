@@ -18,6 +18,7 @@ double TrackLifecycle::limit(double silence) const {
   return std::max(silence, kPaces * interval_);
 }
 
+// (S-40)
 double TrackLifecycle::detectionProbability(double of_sensor) const {
   return (seen_ + kTrustInSensor * of_sensor) / (looked_ + kTrustInSensor);
 }

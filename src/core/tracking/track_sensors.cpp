@@ -31,6 +31,7 @@ void TrackSensors::noteSighting(const std::string& sensor, Time time, const Eige
   source->slow_error = slow_error;
 }
 
+// (S-40)
 void TrackSensors::noteMiss(const std::string& sensor, double visibility, double detection_probability) {
   const double missed = 1.0 - detection_probability;
   setVisibility(sensor, visibility * missed / (1.0 - visibility + visibility * missed));
@@ -81,6 +82,7 @@ Corroboration TrackSensors::corroborationOf(const std::string& sensor, Time time
   return corroboration;
 }
 
+// (S-42)
 Eigen::Vector2d TrackSensors::slowErrorVariance(Time time) const {
   double sum = 0.0;
   Eigen::Vector2d variance = Eigen::Vector2d::Zero();

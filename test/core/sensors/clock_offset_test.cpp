@@ -44,7 +44,7 @@ std::vector<Scan> scansOf(const Path& path, const std::vector<double>& behind, d
       scans.push_back(scan);
     }
   }
-  std::sort(scans.begin(), scans.end(), precedes);
+  std::sort(scans.begin(), scans.end(), [](const Scan& a, const Scan& b) { return precedes(a, b); });
   return scans;
 }
 

@@ -157,8 +157,8 @@ TEST_P(Guard, TheOrderOfArrivalChangesNothing) {
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t i = 0; i < a.size(); ++i) {
       EXPECT_EQ(a[i].verdict, b[i].verdict);
-      EXPECT_EQ(a[i].use.is_excluded, b[i].use.is_excluded);
-      EXPECT_EQ(a[i].use.noise_scale, b[i].use.noise_scale);
+      EXPECT_EQ(a[i].is_excluded, b[i].is_excluded);
+      EXPECT_EQ(a[i].noise_scale, b[i].noise_scale);
       ASSERT_EQ(a[i].last.has_value(), b[i].last.has_value());
       if (a[i].last) {
         EXPECT_EQ(a[i].last->time, b[i].last->time);
@@ -227,7 +227,7 @@ class LaggingFilter : public testing::TestWithParam<int> {
         scans.push_back(scan);
       }
     }
-    std::sort(scans.begin(), scans.end(), precedes);
+    std::sort(scans.begin(), scans.end(), [](const Scan& a, const Scan& b) { return precedes(a, b); });
     return scans;
   }
 };

@@ -6,7 +6,7 @@ namespace sightline::core {
 namespace {
 
 constexpr double kInterval = 0.1;  // between sightings [s]
-constexpr double kSeen = 1000.0;   // likelihood ratio of a scan with a sighting
+constexpr double kSeen = 1e4;      // likelihood ratio of a scan with a sighting
 constexpr double kNotSeen = 0.1;   // and of one without
 
 Time at(double t) {

@@ -75,7 +75,8 @@ std::vector<core::Scan> scansOf(const core::Scenario& scenario) {
     core::SensorSimulator sensor(scenario, name, kStart);
     while (auto simulated = sensor.next()) scans.push_back(simulated->scan);
   }
-  std::sort(scans.begin(), scans.end(), core::precedes);
+  std::sort(scans.begin(), scans.end(),
+            [](const core::Scan& a, const core::Scan& b) { return core::precedes(a, b); });
   return scans;
 }
 

@@ -146,8 +146,9 @@ bool GuardedEstimator::isToBlame(const SensorChange& change, const Past& past) c
   });
 }
 
-/// Log likelihood of all that was seen since `began` if this sensor has been off to one side since, or noisy,
-/// by as much as explains it best, and is not used; up to a constant that is the same for every sensor.
+/// (S-59): log likelihood of all that was seen since `began` if this sensor has been off to one side since,
+/// or noisy, by as much as explains it best, and is not used; up to a constant that is the same for every
+/// sensor.
 double GuardedEstimator::evidenceAgainst(const std::string& sensor, Time began, const Past& past) const {
   const std::size_t from = taken_.keptAt(taken_.lastNotAfter(began));
   std::optional<ChartedEstimator> estimator = taken_[from].before->estimator;

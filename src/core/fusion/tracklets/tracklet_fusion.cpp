@@ -77,20 +77,19 @@ std::vector<WatchedSensor> TrackletFusion::sensorsOf(const LocalKey& supporter) 
   return sensors;
 }
 
-std::string TrackletFusion::whyExcluded(const LocalKey& supporter) const {
-  if (!track_.holdsAnything()) return {};
+std::optional<Refusal> TrackletFusion::exclusionOf(const LocalKey& supporter) const {
+  if (!track_.holdsAnything()) return std::nullopt;
   const std::vector<WatchedSensor> sensors = sensorsOf(supporter);
   const auto is_off = [](const WatchedSensor& watched) {
     return watched.is_excluded && watched.last && watched.last->bias.matrix().norm() <= kMostBias;
   };
-  if (sensors.empty() || !std::all_of(sensors.begin(), sensors.end(), is_off)) return {};
-  std::ostringstream why;
-  why << "biased:";
+  if (sensors.empty() || !std::all_of(sensors.begin(), sensors.end(), is_off)) return std::nullopt;
+  std::ostringstream detail;
   for (const WatchedSensor& watched : sensors) {
-    why << (&watched == &sensors.front() ? " " : ", ") << watched.sensor << " is off by ("
-        << watched.last->bias(0) << ", " << watched.last->bias(1) << ") sigma from what the others see";
+    detail << (&watched == &sensors.front() ? "" : ", ") << watched.sensor << " is off by ("
+           << watched.last->bias(0) << ", " << watched.last->bias(1) << ") sigma from what the others see";
   }
-  return why.str();
+  return Refusal{"biased", detail.str()};
 }
 
 double TrackletFusion::noiseScale(const LocalKey& supporter) const {

@@ -11,11 +11,11 @@ constexpr std::size_t kMostGaps = 64;
 
 }  // namespace
 
-std::string TrackletMemory::take(const TrackletReport& report) {
-  if (report.tracker.empty()) return "no name: a tracker's report must name it";
+std::optional<Refusal> TrackletMemory::take(const TrackletReport& report) {
+  if (report.tracker.empty()) return Refusal{"no name", "a tracker's report must name it"};
   const bool is_known = trackers_.count(report.tracker) > 0;
   if (!is_known && trackers_.size() >= static_cast<std::size_t>(params_.max_trackers)) {
-    return "limit: already " + std::to_string(trackers_.size()) + " trackers (max_trackers)";
+    return Refusal{"limit", "already " + std::to_string(trackers_.size()) + " trackers (max_trackers)"};
   }
   Tracker& tracker = trackers_[report.tracker];
   const double behind = is_known ? seconds(tracker.newest - report.time) : 0.0;
@@ -27,7 +27,7 @@ std::string TrackletMemory::take(const TrackletReport& report) {
     tracker.tracks[it.track].push_back({next_number_++, it.tracklet});
   }
   forgetOld(tracker);
-  return {};
+  return std::nullopt;
 }
 
 /// A report covers the time from the one before, or from ever, to its own.

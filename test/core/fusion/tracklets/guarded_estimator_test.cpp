@@ -103,8 +103,8 @@ TEST(GuardedEstimator, RemembersUsesForTheTimeItMayRollBackAndNoLonger) {
   for (const Tracklet& tracklet : trackletsOf(watched)) {
     shorter.take(tracklet);
     longer.take(tracklet);
-    EXPECT_LE(shorter.estimator.reach(), 180u);
-    EXPECT_LE(longer.estimator.reach(), 530u);
+    EXPECT_LE(shorter.estimator.reach(), 190u);
+    EXPECT_LE(longer.estimator.reach(), 540u);
   }
   EXPECT_GE(shorter.estimator.reach(), 150u);
   EXPECT_GE(longer.estimator.reach(), 500u);
@@ -113,6 +113,7 @@ TEST(GuardedEstimator, RemembersUsesForTheTimeItMayRollBackAndNoLonger) {
 TEST(GuardedEstimator, CopiesAreIndependent) {
   Watched watched;
   watched.bias = 4.0;
+  watched.from = 3.0;
   const std::vector<Tracklet> tracklets = trackletsOf(watched);
   const std::size_t half = tracklets.size() / 2;
   Given original;

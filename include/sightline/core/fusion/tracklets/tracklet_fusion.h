@@ -12,6 +12,7 @@
 #include "sightline/core/fusion/local_reports.h"
 #include "sightline/core/fusion/tracklets/tracklet_memory.h"
 #include "sightline/core/fusion/tracklets/tracklet_track.h"
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/sensors/sensor_guard.h"
 
@@ -61,9 +62,9 @@ class TrackletFusion {
   /// Whether a source that contradicts the others can be left to the guard.
   bool canTellWhoIsWrong() const { return track_.canTellWhoIsWrong(); }
 
-  /// Why none of the supporter's tracklets is used ("biased: details"): all its sensors are off, by not so
-  /// much that it must be another target. Empty when it is used.
-  std::string whyExcluded(const LocalKey& supporter) const;
+  /// Why none of the supporter's tracklets is used (biased): all its sensors are off, by not so much that
+  /// it must be another target. nullopt when they are used.
+  std::optional<Refusal> exclusionOf(const LocalKey& supporter) const;
 
   /// By how much the variances of the supporter's track are to be taken larger, as its sensors are noisier
   /// than they state; >= 1.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/tracklet.h"
 
@@ -30,9 +31,9 @@ class TrackletMemory {
 
   explicit TrackletMemory(const TrackletMemoryParams& params) : params_(params) {}
 
-  /// Takes a report. Returns why it was refused ("kind: details"), or nothing. One that is its
+  /// Takes a report. Returns why it was refused; nullopt when it was taken. One that is its
   /// tracker's first, and was not overtaken by later ones, wipes out what was known of the tracker.
-  std::string take(const TrackletReport& report);
+  std::optional<Refusal> take(const TrackletReport& report);
 
   /// What is remembered of a local track, in the order in which it came; null when nothing is.
   const std::deque<Remembered>* find(const LocalKey& key) const;
