@@ -27,36 +27,12 @@ TEST(SupporterAssignment, NothingIsSaidWhereNobodyIsInDoubt) {
   EXPECT_TRUE(supporterMoves("a", {}, {&one, &two}, {}).empty());
 }
 
-TEST(SupporterAssignment, TwoThatAreExchangedMoveToEachOthersPlaceInOneGroup) {
-  const GlobalTrack one = seenAt(1, 0.12, 0.1), two = seenAt(2, 0.1, 0.12);
-  const std::vector<SupporterMove> moves = supporterMoves("a", {}, {&one, &two}, {});
-  ASSERT_EQ(moves.size(), 2u);
-  EXPECT_EQ(moves[0].group, moves[1].group);
-  for (const SupporterMove& move : moves) {
-    EXPECT_FALSE(move.isRight());
-    ASSERT_TRUE(move.present && move.best);
-    EXPECT_EQ(*move.present + *move.best, 1u);
-  }
-}
-
 TEST(SupporterAssignment, OneThatFitsNowhereShouldHaveAGlobalTrackOfItsOwn) {
   const GlobalTrack one = seenAt(1, 0.15, 0.1);
   const std::vector<SupporterMove> moves = supporterMoves("a", {}, {&one}, {});
   ASSERT_EQ(moves.size(), 1u);
   EXPECT_EQ(moves[0].present, 0u);
   EXPECT_FALSE(moves[0].best);
-}
-
-TEST(SupporterAssignment, AFreeTrackThatFitsTakesThePlaceOfOneThatDoesNot) {
-  const GlobalTrack one = seenAt(1, 0.15, 0.1);
-  const std::vector<SupporterMove> moves =
-      supporterMoves("a", {{LocalKey{"a", 9}, reported(localTrack(9, {0.1, 0.2}))}}, {&one}, {});
-  ASSERT_EQ(moves.size(), 2u);
-  for (const SupporterMove& move : moves) {
-    const bool is_free = move.key.id == 9;
-    EXPECT_EQ(move.present.has_value(), !is_free);
-    EXPECT_EQ(move.best.has_value(), is_free);
-  }
 }
 
 }  // namespace
