@@ -46,7 +46,7 @@ sightline::SightingArray::Ptr scanAt(double stamp, const std::vector<double>& az
   return scan;
 }
 
-class Component : public testing::Test {
+class TrackerComponent : public testing::Test {
  protected:
   TrackerReport report(const sightline::SightingArray::Ptr& scan) {
     const auto reports = component_.onScan(scan, toCore(scan->header.stamp));
@@ -59,7 +59,7 @@ class Component : public testing::Test {
   LocalTrackerComponent component_{reader_, "my_tracker", transforms_};
 };
 
-TEST_F(Component, SightingsOfATargetBecomeAConfirmedTrack) {
+TEST_F(TrackerComponent, SightingsOfATargetBecomeAConfirmedTrack) {
   TrackerReport last;
   for (int i = 0; i < 10; ++i) last = report(scanAt(10.0 + 0.03 * i, {0.5 + 0.003 * i}));
   ASSERT_TRUE(last.tracks);
@@ -75,7 +75,7 @@ TEST_F(Component, SightingsOfATargetBecomeAConfirmedTrack) {
   EXPECT_EQ(track.last_sighting, ros::Time(10.27));
 }
 
-TEST_F(Component, EverySightingHasItsAssociationAndBadOnesTheirReason) {
+TEST_F(TrackerComponent, EverySightingHasItsAssociationAndBadOnesTheirReason) {
   for (int i = 0; i < 5; ++i) report(scanAt(10.0 + 0.03 * i, {0.5}));
   const auto last = report(scanAt(10.15, {0.5, kNaN, 100.0}));
   ASSERT_EQ(last.associations->associations.size(), 3u);
@@ -88,7 +88,7 @@ TEST_F(Component, EverySightingHasItsAssociationAndBadOnesTheirReason) {
   EXPECT_FALSE(last.refusal);
 }
 
-TEST_F(Component, DuplicateAndLateScansAreDroppedWithTheirReason) {
+TEST_F(TrackerComponent, DuplicateAndLateScansAreDroppedWithTheirReason) {
   report(scanAt(10.0, {0.5}));
   report(scanAt(12.0, {0.5}));
   const auto duplicate = report(scanAt(12.0, {0.5}));
@@ -103,7 +103,7 @@ TEST_F(Component, DuplicateAndLateScansAreDroppedWithTheirReason) {
   EXPECT_EQ(late.refusal->kind, "late");
 }
 
-TEST_F(Component, ScanWithoutTransformIsReportedOnceItIsGivenUp) {
+TEST_F(TrackerComponent, ScanWithoutTransformIsReportedOnceItIsGivenUp) {
   auto scan = scanAt(10.0, {0.5, 0.6});
   scan->header.frame_id = "nowhere";
   EXPECT_TRUE(component_.onScan(scan, at(10.0)).empty());
@@ -122,7 +122,7 @@ std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status, c
   return "(absent)";
 }
 
-TEST_F(Component, HealthShowsRatesDropsAgesAndTracks) {
+TEST_F(TrackerComponent, HealthShowsRatesDropsAgesAndTracks) {
   LocalTrackerHealth health(2.0);
   diagnostic_updater::DiagnosticStatusWrapper before;
   health.diagnose(at(10.0), 0, before);
@@ -153,7 +153,7 @@ TEST_F(Component, HealthShowsRatesDropsAgesAndTracks) {
   EXPECT_NE(silent.message.find("no scan for"), std::string::npos);
 }
 
-TEST_F(Component, ASensorThatGoesWrongIsInTheLogAndInTheDiagnosticsUntilItHasRecovered) {
+TEST_F(TrackerComponent, ASensorThatGoesWrongIsInTheLogAndInTheDiagnosticsUntilItHasRecovered) {
   LocalTrackerHealth health(2.0);
   std::vector<std::string> lines;
   diagnostic_updater::DiagnosticStatusWrapper during, after;
@@ -179,7 +179,7 @@ TEST_F(Component, ASensorThatGoesWrongIsInTheLogAndInTheDiagnosticsUntilItHasRec
   EXPECT_NE(valueOf(after, "guard of eye_0").find("recovered"), std::string::npos);
 }
 
-TEST_F(Component, ASensorThatIsRougherThanItSaysIsWarnedOfAndOneThatIsCalmerIsSaid) {
+TEST_F(TrackerComponent, ASensorThatIsRougherThanItSaysIsWarnedOfAndOneThatIsCalmerIsSaid) {
   for (const double truth : {0.1, 3.0}) {
     LocalTrackerComponent component(reader_, "my_tracker", transforms_);
     std::mt19937_64 random(2);
@@ -198,7 +198,7 @@ TEST_F(Component, ASensorThatIsRougherThanItSaysIsWarnedOfAndOneThatIsCalmerIsSa
   }
 }
 
-TEST_F(Component, HowTheSensorSeesIsInTheDiagnostics) {
+TEST_F(TrackerComponent, HowTheSensorSeesIsInTheDiagnostics) {
   LocalTrackerComponent component(reader_, "my_tracker", transforms_);
   LocalTrackerHealth health(2.0);
   diagnostic_updater::DiagnosticStatusWrapper status;
@@ -216,7 +216,7 @@ TEST_F(Component, HowTheSensorSeesIsInTheDiagnostics) {
   EXPECT_NE(words.find("1 false sightings a scan"), std::string::npos) << words;
 }
 
-TEST_F(Component, AWrongClockIsWarnedOfOnceAndStaysInTheDiagnostics) {
+TEST_F(TrackerComponent, AWrongClockIsWarnedOfOnceAndStaysInTheDiagnostics) {
   LocalTrackerHealth health(2.0);
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
@@ -239,7 +239,7 @@ TEST_F(Component, AWrongClockIsWarnedOfOnceAndStaysInTheDiagnostics) {
   EXPECT_NE(status.message.find("clock of eye_0"), std::string::npos);
 }
 
-TEST_F(Component, LatencyAndDropsOfEachSensorAreInTheDiagnostics) {
+TEST_F(TrackerComponent, LatencyAndDropsOfEachSensorAreInTheDiagnostics) {
   LocalTrackerHealth health(2.0);
   const auto deliver = [&](const sightline::SightingArray::Ptr& scan, double latency) {
     const core::Time now = toCore(scan->header.stamp) + core::durationOf(latency);
@@ -262,7 +262,7 @@ TEST_F(Component, LatencyAndDropsOfEachSensorAreInTheDiagnostics) {
   EXPECT_EQ(valueOf(status, "quick: scans dropped, late"), "(absent)");
 }
 
-TEST_F(Component, WhatTheDoctorWouldSayOfASensorIsInTheDiagnosticsEveryTenSecondsUntilItIsRight) {
+TEST_F(TrackerComponent, WhatTheDoctorWouldSayOfASensorIsInTheDiagnosticsEveryTenSecondsUntilItIsRight) {
   LocalTrackerHealth health(2.0, {component_.maxLag(), component_.maxFuture()});
   SeenTarget target(1);
   const auto deliver = [&](double from, double latency) {
@@ -283,7 +283,7 @@ TEST_F(Component, WhatTheDoctorWouldSayOfASensorIsInTheDiagnosticsEveryTenSecond
   EXPECT_EQ(valueOf(right, "input of eye"), "(absent)");
 }
 
-TEST_F(Component, LatencyIsNotMadeUpWithoutAClock) {
+TEST_F(TrackerComponent, LatencyIsNotMadeUpWithoutAClock) {
   LocalTrackerHealth health(2.0);
   health.noteArrival(*scanAt(10.0, {}), core::Time{});
   diagnostic_updater::DiagnosticStatusWrapper status;
@@ -309,7 +309,7 @@ std::string noticesOf(const std::vector<TrackerReport>& reports) {
   return notices;
 }
 
-TEST_F(Component, ARecordingInALoopIsTrackedAgainFromItsStart) {
+TEST_F(TrackerComponent, ARecordingInALoopIsTrackedAgainFromItsStart) {
   for (int k = 0; k < 5; ++k) runThree(component_, 100.0 + k, 0.0);
   const auto again = runThree(component_, 100.0, 0.0);
   EXPECT_NE(noticesOf(again).find("stamps went back by"), std::string::npos);
@@ -320,7 +320,7 @@ TEST_F(Component, ARecordingInALoopIsTrackedAgainFromItsStart) {
   EXPECT_LT(last.tracks->header.stamp, ros::Time(103.0));
 }
 
-TEST_F(Component, OneClockThatStepsIsLeftOutSaidAndTakenBackWhileTheOthersTrackOn) {
+TEST_F(TrackerComponent, OneClockThatStepsIsLeftOutSaidAndTakenBackWhileTheOthersTrackOn) {
   for (const double step : {-3600.0, -10.0, -0.7, 0.7, 10.0, 3600.0}) {
     LocalTrackerComponent component(reader_, "my_tracker", transforms_);
     for (int k = 0; k < 3; ++k) runThree(component, 5000.0 + k, 0.0);
@@ -346,7 +346,7 @@ TEST_F(Component, OneClockThatStepsIsLeftOutSaidAndTakenBackWhileTheOthersTrackO
   }
 }
 
-TEST_F(Component, WarningsOfOneKindComeAtMostEveryFiveSeconds) {
+TEST_F(TrackerComponent, WarningsOfOneKindComeAtMostEveryFiveSeconds) {
   LocalTrackerHealth health(2.0);
   report(scanAt(10.0, {0.5}));
   const auto duplicate = report(scanAt(10.0, {0.5}));

@@ -113,7 +113,7 @@ TEST(TrackFusionParams, BadValuesAreRefused) {
   }
 }
 
-class Component : public testing::Test {
+class FusionComponent : public testing::Test {
  protected:
   FusionResult fuse(const sightline::TrackArray& local, const std::string& topic = "") {
     return component_.onTracks(local, topic.empty() ? "/" + local.tracker + "/tracks" : topic,
@@ -124,7 +124,7 @@ class Component : public testing::Test {
   TrackFusionComponent component_{reader_, "my_fusion"};
 };
 
-TEST_F(Component, TracksOfTwoTrackersBecomeOneAndTheReportNamesThem) {
+TEST_F(FusionComponent, TracksOfTwoTrackersBecomeOneAndTheReportNamesThem) {
   fuse(tracksOf("a", 10.0));
   const FusionResult result = fuse(tracksOf("b", 10.1));
   ASSERT_TRUE(result.tracks);
@@ -175,7 +175,7 @@ sightline::TrackletArray trackletsOf(const std::string& tracker, double stamp, d
   return array;
 }
 
-TEST_F(Component, TrackletsOfAllTrackersMakeTheTrackAndTheReportSaysSo) {
+TEST_F(FusionComponent, TrackletsOfAllTrackersMakeTheTrackAndTheReportSaysSo) {
   FusionResult result;
   for (int k = 0; k < 30; ++k) {
     const double stamp = 10.0 + 0.1 * k;
@@ -194,7 +194,7 @@ TEST_F(Component, TrackletsOfAllTrackersMakeTheTrackAndTheReportSaysSo) {
   EXPECT_EQ(component_.lateTracklets(), 0u);
 }
 
-TEST_F(Component, TrackletsThatCannotBeUsedAreRefusedWithTheReason) {
+TEST_F(FusionComponent, TrackletsThatCannotBeUsedAreRefusedWithTheReason) {
   const auto refusal = [this](const sightline::TrackletArray& array,
                               const std::string& topic = "/a/tracklets") {
     return component_.onTracklets(array, topic, at(10.0));
@@ -219,7 +219,7 @@ TEST_F(Component, TrackletsThatCannotBeUsedAreRefusedWithTheReason) {
   EXPECT_EQ(spoilt([](auto& it) { it.stamp = ros::Time(10.01); }).substr(0, 8), "invalid:");
 }
 
-TEST_F(Component, GarbageIsLeftOutInTheReportWithItsReason) {
+TEST_F(FusionComponent, GarbageIsLeftOutInTheReportWithItsReason) {
   fuse(tracksOf("a", 10.0));
   sightline::TrackArray garbage = tracksOf("b", 10.0);
   garbage.tracks[0].covariance[5] = std::numeric_limits<double>::quiet_NaN();
@@ -231,7 +231,7 @@ TEST_F(Component, GarbageIsLeftOutInTheReportWithItsReason) {
   EXPECT_EQ(result.report->left_out[0].reason, "invalid: state or covariance is not finite");
 }
 
-TEST_F(Component, TracksFromAnotherFrameAreRefusedWithTheReason) {
+TEST_F(FusionComponent, TracksFromAnotherFrameAreRefusedWithTheReason) {
   fuse(tracksOf("a", 10.0));
   sightline::TrackArray elsewhere = tracksOf("b", 10.0);
   elsewhere.header.frame_id = "other_ship";
@@ -244,7 +244,7 @@ TEST_F(Component, TracksFromAnotherFrameAreRefusedWithTheReason) {
   EXPECT_EQ(result.report->tracks.size(), 1u) << "the rest is as it was";
 }
 
-TEST_F(Component, StampsFromTheFutureAreRefusedUnlessTheClockIsNotKnown) {
+TEST_F(FusionComponent, StampsFromTheFutureAreRefusedUnlessTheClockIsNotKnown) {
   const FusionResult result = component_.onTracks(tracksOf("a", 10.5), "/a/tracks", at(10.0));
   EXPECT_EQ(result.refusal.substr(0, 7), "future:");
   EXPECT_FALSE(result.tracks);
@@ -252,25 +252,25 @@ TEST_F(Component, StampsFromTheFutureAreRefusedUnlessTheClockIsNotKnown) {
   EXPECT_TRUE(component_.onTracks(tracksOf("a", 99.0), "/a/tracks", core::Time{}).tracks);
 }
 
-TEST_F(Component, OwnTracksAreRefused) {
+TEST_F(FusionComponent, OwnTracksAreRefused) {
   EXPECT_EQ(fuse(tracksOf("my_fusion", 10.0)).refusal.substr(0, 9), "feedback:");
 }
 
-TEST_F(Component, NameThatAnotherTopicUsesIsRefusedUntilThatFallsSilent) {
+TEST_F(FusionComponent, NameThatAnotherTopicUsesIsRefusedUntilThatFallsSilent) {
   EXPECT_EQ(fuse(tracksOf("tracker", 10.0), "/a").refusal, "");
   EXPECT_EQ(fuse(tracksOf("tracker", 10.1), "/b").refusal.substr(0, 5), "name:");
   EXPECT_EQ(fuse(tracksOf("tracker", 10.2), "/a").refusal, "");
   EXPECT_EQ(fuse(tracksOf("tracker", 11.3), "/b").refusal, "") << "moved";
 }
 
-TEST_F(Component, LateTracksAreRefused) {
+TEST_F(FusionComponent, LateTracksAreRefused) {
   fuse(tracksOf("a", 10.0));
   const FusionResult result = fuse(tracksOf("a", 9.9));
   EXPECT_EQ(result.refusal.substr(0, 5), "late:");
   EXPECT_FALSE(result.tracks);
 }
 
-TEST_F(Component, ResetStartsAgainWithNewIds) {
+TEST_F(FusionComponent, ResetStartsAgainWithNewIds) {
   fuse(tracksOf("a", 100.0));
   component_.reset();
   const FusionResult result = fuse(tracksOf("a", 10.0));
@@ -285,7 +285,7 @@ std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status, c
   return "(absent)";
 }
 
-TEST_F(Component, HealthShowsRatesAgesTracksAndReasons) {
+TEST_F(FusionComponent, HealthShowsRatesAgesTracksAndReasons) {
   TrackFusionHealth health({"/a/tracks", "/b/tracks"}, 2.0);
   diagnostic_updater::DiagnosticStatusWrapper before;
   health.diagnose(at(10.0), before);
@@ -328,7 +328,7 @@ TEST_F(Component, HealthShowsRatesAgesTracksAndReasons) {
   EXPECT_EQ(calm.message, "1 confirmed");
 }
 
-TEST_F(Component, BiasedSensorIsInTheReportTheDiagnosticsAndTheLog) {
+TEST_F(FusionComponent, BiasedSensorIsInTheReportTheDiagnosticsAndTheLog) {
   TrackFusionHealth health({"/a/tracks", "/b/tracks", "/c/tracks"}, 2.0);
   FusionResult result;
   std::vector<sightline::SensorHealth> changes;
@@ -374,7 +374,7 @@ TEST_F(Component, BiasedSensorIsInTheReportTheDiagnosticsAndTheLog) {
   EXPECT_EQ(valueOf(status, "guard of sensor of a"), "track 1: healthy");
 }
 
-TEST_F(Component, WarningsOfOneKindComeAtMostEveryFiveSeconds) {
+TEST_F(FusionComponent, WarningsOfOneKindComeAtMostEveryFiveSeconds) {
   TrackFusionHealth health({"/a/tracks"}, 2.0);
   sightline::TrackArray garbage = tracksOf("a", 10.0);
   garbage.tracks[0].covariance.fill(0.0);
