@@ -12,6 +12,7 @@
 
 #include <sightline/AssociationArray.h>
 #include <sightline/SightingArray.h>
+#include <sightline/TrackArray.h>
 #include <std_msgs/Header.h>
 #include <tf2/buffer_core.h>
 
@@ -19,6 +20,7 @@
 #include "sightline/core/sensors/view_overlap.h"
 #include "sightline/ros/diagnosis/graph_view.h"
 #include "sightline/ros/diagnosis/sensor_record.h"
+#include "sightline/ros/diagnosis/track_starts.h"
 
 namespace sightline_ros {
 
@@ -37,15 +39,23 @@ class InputExamination {
   void take(const sightline::SightingArray& scan, const std::string& topic, const std::string& publisher,
             sightline::core::Time arrival);
 
-  /// What a tracker did with a scan that was taken before; `tracker` tells its tracks from those of others.
-  void take(const sightline::AssociationArray& associations, const std::string& tracker);
+  /// What a tracker did with a scan that was taken before, on the topic `.../associations` ...
+  void take(const sightline::AssociationArray& associations, const std::string& topic);
+
+  /// ... and what it tracks, on `.../tracks` beside it.
+  void take(const sightline::TrackArray& tracks, const std::string& topic);
+
+  /// Brings the newest scans into the tracking frame, while their transforms are known: for recordings whose
+  /// transforms are not all kept. `findings` does so for those that are left.
+  void turn(const tf2::BufferCore& transforms, const std::string& tracking_frame);
 
   std::vector<Row> sensors() const;
 
   /// What is wrong with the sensors, by name: what each of them sent, names that are not unique, frames
   /// without transform to the tracking frame, views that never overlap.
+  /// Likewise sensors whose sightings start tracks that are never confirmed.
   std::vector<Finding> findings(const tf2::BufferCore& transforms, const std::string& tracking_frame,
-                                const InputLimits& limits) const;
+                                const InputLimits& limits);
 
   /// Topics of sightings that are published, and brought nothing within `seconds`.
   std::vector<Finding> silentTopics(const GraphView& graph, double seconds) const;
@@ -64,6 +74,9 @@ class InputExamination {
   struct Shot {
     std_msgs::Header header;
     std::vector<Seen> sightings;  // in the order of the scan
+    bool is_turned = false;       // with or without success:
+    std::optional<Eigen::Matrix3d> R_tracking_sensor;
+    std::string why;  // there is no transform
   };
 
   struct Source {
@@ -77,21 +90,19 @@ class InputExamination {
   using Reading = Eigen::Vector2d (*)(const Eigen::Vector2d& angles);
 
   void keepShot(const sightline::SightingArray& scan, Source& source);
+  static void turn(Shot& shot, const tf2::BufferCore& transforms, const std::string& tracking_frame);
   std::string subjectOf(const Key& key) const;
   void findSharedNames(std::vector<Finding>& found) const;
   void findTransforms(const tf2::BufferCore& transforms, const std::string& tracking_frame,
                       std::vector<Finding>& found) const;
-  void findSeparateViews(const tf2::BufferCore& transforms, const std::string& tracking_frame,
-                         std::vector<Finding>& found) const;
-  void findScatter(const tf2::BufferCore& transforms, const std::string& tracking_frame,
-                   std::vector<Finding>& found) const;
-  static std::optional<double> scatterOf(const Source& source, const tf2::BufferCore& transforms,
-                                         const std::string& tracking_frame);
-  static std::vector<sightline::core::Glimpse> glimpsesOf(const Source& source,
-                                                          const tf2::BufferCore& transforms,
-                                                          const std::string& tracking_frame, Reading reading);
+  void findSeparateViews(std::vector<Finding>& found) const;
+  void findScatter(std::vector<Finding>& found) const;
+  void findStarts(std::vector<Finding>& found) const;
+  static std::optional<double> scatterOf(const Source& source);
+  static std::vector<sightline::core::Glimpse> glimpsesOf(const Source& source, Reading reading);
 
   std::map<Key, Source> sources_;
+  std::map<std::string, TrackStarts> starts_;  // by the trackers' namespaces
 };
 
 }  // namespace sightline_ros
