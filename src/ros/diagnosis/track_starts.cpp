@@ -41,7 +41,10 @@ void TrackStarts::take(const sightline::AssociationArray& associations) {
     if (association.decision != sightline::Association::STARTED_TRACK) continue;
     ++sensor.started;
     if (pending_.size() >= kMostPending) pending_.erase(pending_.begin());
-    pending_[association.track] = {associations.sensor, toCore(associations.header.stamp)};
+    const core::Time time = toCore(associations.header.stamp);
+    const auto place = places_.find(association.track);
+    if (place != places_.end()) locate(sensor, place->second, time);
+    pending_[association.track] = {associations.sensor, time, place != places_.end()};
   }
 }
 
@@ -49,10 +52,12 @@ void TrackStarts::take(const sightline::TrackArray& tracks) {
   const core::Time time = toCore(tracks.header.stamp);
   std::unordered_set<std::uint32_t> here;
   established_.clear();
+  places_.clear();
   for (const sightline::Track& track : tracks.tracks) {
     here.insert(track.id);
     const bool is_established = track.status != sightline::Track::TENTATIVE;
     if (is_established) established_.insert(track.id);
+    if (track.hits == 1 && places_.size() < kMostPending) places_[track.id] = placeOf(track);
     const auto start = pending_.find(track.id);
     if (start == pending_.end()) continue;
     Sensor& sensor = sensors_[start->second.sensor];
@@ -60,7 +65,7 @@ void TrackStarts::take(const sightline::TrackArray& tracks) {
       sensor = Sensor();
       pending_.erase(start);
     } else if (!start->second.is_located && track.hits == 1) {
-      locate(sensor, track, start->second.time);
+      locate(sensor, placeOf(track), start->second.time);
       start->second.is_located = true;
     }
   }
@@ -70,13 +75,16 @@ void TrackStarts::take(const sightline::TrackArray& tracks) {
   }
 }
 
+TrackStarts::Place TrackStarts::placeOf(const sightline::Track& track) {
+  Place place{{track.azimuth, track.elevation}, Eigen::Matrix2d::Zero()};
+  place.covariance << track.covariance[0], track.covariance[1], track.covariance[4], track.covariance[5];
+  return place;
+}
+
 /// A start, where the track still is where its first sighting was.
-void TrackStarts::locate(Sensor& sensor, const sightline::Track& track, core::Time time) {
-  const Eigen::Vector2d angles(track.azimuth, track.elevation);
-  const Eigen::Vector3d direction = core::directionOf(angles);
-  Eigen::Matrix2d covariance;
-  covariance << track.covariance[0], track.covariance[1], track.covariance[4], track.covariance[5];
-  const double sigma = std::sqrt(covariance.trace() / 2.0);
+void TrackStarts::locate(Sensor& sensor, const Place& place, core::Time time) {
+  const Eigen::Vector3d direction = core::directionOf(place.angles);
+  const double sigma = std::sqrt(place.covariance.trace() / 2.0);
   sensor.sigmas.add(sigma);
   const std::size_t count = sensor.last.size();
   if (sensor.located > 0) {
@@ -90,7 +98,7 @@ void TrackStarts::locate(Sensor& sensor, const sightline::Track& track, core::Ti
       sensor.near += step < kNearer * far || far < kSameSigmas * sigma ? 1 : 0;
     }
   }
-  sensor.scatter.add(sensor.chain, time, angles, covariance);
+  sensor.scatter.add(sensor.chain, time, place.angles, place.covariance);
   sensor.last[sensor.located % count] = direction;
   ++sensor.located;
   sensor.last_start = time;

@@ -26,12 +26,25 @@ std::unique_ptr<rosbag::Bag> openBag(const std::string& file) {
   }
 }
 
+namespace {
+
+/// A bag that cannot be written to its end is left as it is: its destructor would try to close it, and throw.
+void giveUp(std::unique_ptr<rosbag::Bag> bag) {
+  static auto* const given_up = new std::vector<rosbag::Bag*>();
+  given_up->push_back(bag.release());
+}
+
+}  // namespace
+
 BagWriter::BagWriter(const std::string& file, const std::vector<std::string>& inputs)
     : file_(file, inputs), bag_(std::make_unique<rosbag::Bag>()) {
   errno = 0;
   try {
     bag_->open(file_.unfinished(), rosbag::bagmode::Write);
   } catch (const rosbag::BagException& problem) {
+    const int reason = errno;
+    giveUp(std::move(bag_));
+    errno = reason;
     if (errno != 0) throw outputError(file);
     throw report::OutputError(file + ": cannot be written: " + problem.what());
   }
@@ -44,15 +57,14 @@ BagWriter::~BagWriter() {
   }
 }
 
-/// A bag that cannot be written to its end is given up as it is: its destructor would try to close it, and
-/// throw.
 void BagWriter::close() {
   std::unique_ptr<rosbag::Bag> bag = std::move(bag_);
   try {
     bag->close();
   } catch (...) {
-    static auto* const given_up = new std::vector<rosbag::Bag*>();
-    given_up->push_back(bag.release());
+    const int reason = errno;
+    giveUp(std::move(bag));
+    errno = reason;
     throw;
   }
 }

@@ -119,14 +119,19 @@ TEST_F(RecordingTools, OnAFullDiskSayOneLineAndLeaveNothingHalfWritten) {
 
 TEST_F(RecordingTools, WhereNothingCanBeWrittenSayOneLine) {
   makeBags();
-  for (const std::string& command :
-       {"csv_to_bag " + csv_ + " /no/folder/out.bag", "bag_to_csv " + tracked_ + " /no/folder/out.csv",
-        "replay " + bag_ + " /no/folder/out.bag", "simulate --duration 1 crowd /no/folder/out.bag"}) {
+  const std::vector<std::string> commands{
+      "csv_to_bag " + csv_ + " /no/folder/out.bag",
+      "bag_to_csv " + tracked_ + " /no/folder/out.csv",
+      "replay " + bag_ + " /no/folder/out.bag",
+      "simulate --duration 1 crowd /no/folder/out.bag",
+  };
+  for (const std::string& command : commands) {
     const auto [code, said] = run(command);
     EXPECT_EQ(code, 1) << command;
     EXPECT_EQ(linesIn(said), 1) << said;
     EXPECT_NE(said.find("cannot be written: No such file or directory"), std::string::npos) << said;
   }
+  EXPECT_EQ(run("csv_to_bag " + csv_ + " /dev/full").first, 1) << "and not 134";
   const auto [code, said] = run("evaluate " + tracked_ + " > /dev/full");
   EXPECT_EQ(code, 1);
   EXPECT_NE(said.find("standard output: cannot be written: No space left on device"), std::string::npos)

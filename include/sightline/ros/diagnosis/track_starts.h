@@ -55,11 +55,19 @@ class TrackStarts {
     bool is_located = false;
   };
 
-  static void locate(Sensor& sensor, const sightline::Track& track, sightline::core::Time time);
+  /// A track with one sighting.
+  struct Place {
+    Eigen::Vector2d angles;      // [rad]
+    Eigen::Matrix2d covariance;  // [rad^2]
+  };
+
+  static Place placeOf(const sightline::Track& track);
+  static void locate(Sensor& sensor, const Place& place, sightline::core::Time time);
   static std::optional<Finding> findingOf(const std::string& name, const Sensor& sensor);
 
   std::map<std::string, Sensor> sensors_;
   std::map<std::uint32_t, Start> pending_;  // started tracks that are not confirmed yet
+  std::map<std::uint32_t, Place> places_;   // of the tracks with one sighting in the last report
   std::unordered_set<std::uint32_t> established_;
 };
 
