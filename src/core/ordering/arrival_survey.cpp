@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sightline::core {
 namespace {
@@ -9,6 +10,16 @@ namespace {
 constexpr std::size_t kMostSamples = 4096;
 constexpr std::size_t kMostSensors = 1000;
 constexpr double kFewest = 0.01;  // share of the scans that may be ahead by more than `ahead`
+constexpr double kUsual = 0.95;   // share of the changes that are no larger than the jitter
+
+/// Of values, of which there is one at least: that which a share `p` does not exceed; of two neighbours the
+/// upper.
+double quantile(std::vector<double> values, double p) {
+  const auto place =
+      values.begin() + static_cast<std::ptrdiff_t>(std::ceil(p * static_cast<double>(values.size() - 1)));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
 
 }  // namespace
 
@@ -23,54 +34,62 @@ double ArrivalPlan::longestDelay() const {
   return longest;
 }
 
-void ArrivalSurvey::Samples::add(double value) {
-  if (count_++ % every_ != 0) return;
-  values_.push_back(value);
-  if (values_.size() < kMostSamples) return;
-  for (std::size_t k = 0; 2 * k < values_.size(); ++k) values_[k] = values_[2 * k];
-  values_.resize((values_.size() + 1) / 2);
-  every_ *= 2;
-}
-
-/// Of two neighbours the upper.
-std::optional<double> ArrivalSurvey::Samples::quantile(double p) const {
-  if (values_.empty()) return std::nullopt;
-  std::vector<double> sorted = values_;
-  const auto place =
-      sorted.begin() + static_cast<std::ptrdiff_t>(std::ceil(p * static_cast<double>(sorted.size() - 1)));
-  std::nth_element(sorted.begin(), place, sorted.end());
-  return *place;
-}
-
-void ArrivalSurvey::take(const std::string& sensor, Time stamp, Time received) {
-  if (sensors_.size() >= kMostSensors && sensors_.count(sensor) == 0) return;
+void ArrivalSurvey::take(const std::string& name, Time stamp, Time received) {
+  if (sensors_.size() >= kMostSensors && sensors_.count(name) == 0) return;
+  Sensor& sensor = sensors_[name];
   const double latency = seconds(received - stamp);
-  Sensor& known = sensors_[sensor];
-  if (known.scans++ > 0) known.changes.add(std::abs(latency - known.latency));
-  known.latency = latency;
-  const double usual = usualLatency();
-  known.delays.add(latency - usual);
-  latencies_.add(usual);
+  const double change = sensor.scans == 0 ? 0.0 : std::abs(latency - sensor.last_latency);
+  sensor.last_latency = latency;
+  if (sensor.scans++ % sensor.every != 0) return;
+  auto& samples = sensor.samples;
+  samples.push_back({received, latency, change});
+  if (samples.size() < kMostSamples) return;
+  for (std::size_t k = 0; 2 * k < samples.size(); ++k) samples[k] = samples[2 * k];
+  samples.resize((samples.size() + 1) / 2);
+  sensor.every *= 2;
 }
 
-/// The median of the sensors' last ones; of an even number the lower.
-double ArrivalSurvey::usualLatency() const {
-  std::vector<double> last;
-  last.reserve(sensors_.size());
-  for (const auto& [name, sensor] : sensors_) last.push_back(sensor.latency);
-  const auto middle = last.begin() + static_cast<std::ptrdiff_t>((last.size() - 1) / 2);
-  std::nth_element(last.begin(), middle, last.end());
-  return *middle;
+/// The one with the most scans.
+const ArrivalSurvey::Sensor* ArrivalSurvey::reference() const {
+  const auto most = std::max_element(sensors_.begin(), sensors_.end(), [](const auto& a, const auto& b) {
+    return a.second.scans < b.second.scans;
+  });
+  return most == sensors_.end() ? nullptr : &most->second;
+}
+
+/// Of the one sensor's latency over the other's at the sample before, or at the first one.
+double ArrivalSurvey::delayBetween(const Sensor& sensor, const Sensor& reference) {
+  std::vector<double> delays;
+  delays.reserve(sensor.samples.size());
+  std::size_t other = 0;
+  for (const Sample& sample : sensor.samples) {
+    while (other + 1 < reference.samples.size() && reference.samples[other + 1].received <= sample.received)
+      ++other;
+    delays.push_back(sample.latency - reference.samples[other].latency);
+  }
+  return quantile(std::move(delays), 0.5);
 }
 
 ArrivalPlan ArrivalSurvey::plan() const {
+  const Sensor* const reference = this->reference();
+  if (reference == nullptr) return {};
+  std::vector<double> all, latencies;
+  for (const auto& [name, sensor] : sensors_) all.push_back(delayBetween(sensor, *reference));
+  for (const Sample& sample : reference->samples) latencies.push_back(sample.latency);
+  std::vector<double> sorted = all;
+  std::sort(sorted.begin(), sorted.end());
+  const double median = sorted[(sorted.size() - 1) / 2];  // of two the earlier one's
+
   ArrivalPlan plan;
+  auto delay = all.begin();
   for (const auto& [name, sensor] : sensors_) {
-    const double delay = sensor.delays.quantile(0.5).value_or(0.0);
-    if (std::abs(delay) <= most_) plan.delays[name] = delay;
-    plan.jitter = std::max(plan.jitter, std::min(most_, sensor.changes.quantile(0.95).value_or(0.0)));
+    if (std::abs(*delay - median) <= most_) plan.delays[name] = *delay - median;
+    ++delay;
+    std::vector<double> changes;
+    for (const Sample& sample : sensor.samples) changes.push_back(sample.change);
+    plan.jitter = std::max(plan.jitter, std::min(most_, quantile(std::move(changes), kUsual)));
   }
-  plan.ahead = std::max(0.0, -latencies_.quantile(kFewest).value_or(0.0));
+  plan.ahead = std::max(0.0, -(quantile(std::move(latencies), kFewest) + median));
   return plan;
 }
 

@@ -77,14 +77,16 @@ std::optional<Refusal> LocalTracker::refusalOf(const Scan& scan) const {
   const bool anything_before = !scans_.empty();
   if (anything_before && lateness > params_.max_lag) {
     std::ostringstream detail;
-    detail << lateness << " s older than the newest scan, more than max_lag " << params_.max_lag << " s";
+    detail << lateness << " s older than the newest scan, more than max_lag " << params_.max_lag
+           << " s: synchronise the clock of " << scan.sensor << ", bring its scans sooner, or raise max_lag";
     return Refusal{"late", detail.str()};
   }
   if (anything_before && scan.time < scans_[0].before->time) {
     return Refusal{"late", "more than " + std::to_string(kMostScans) + " scans have come after it"};
   }
   if (scans_.holds(scan))
-    return Refusal{"duplicate", "this exposure of " + scan.sensor + " has been taken already"};
+    return Refusal{"duplicate",
+                   "this exposure of " + scan.sensor + " has been taken already: publish each exposure once"};
   return std::nullopt;
 }
 

@@ -104,7 +104,8 @@ std::optional<std::string> LocalTrackerHealth::warningAbout(const TrackerReport&
   }
   std::ostringstream warning;
   warning << kind << " (" << counted.count - counted.count_warned << " new, " << counted.count
-          << " in all), the last of sensor \"" << report.scan->sensor << "\": "
+          << " in all), the last of sensor \"" << report.scan->sensor << "\" in frame \""
+          << report.scan->header.frame_id << "\": "
           << (report.refusal && !report.refusal->detail.empty() ? report.refusal->detail
                                                                 : firstRejection(*report.associations));
   counted.last_warning = now;

@@ -115,7 +115,7 @@ std::optional<Finding> TrackStarts::findingOf(const std::string& name, const Sen
   if (interval && step && sigma) {
     words << ": they come every " << valueOf(*interval, "s") << ", state a sigma of "
           << valueOf(*sigma, "rad") << " and lie " << valueOf(*step, "rad") << " apart";
-    if (ratio && *ratio >= kTooSmall) {
+    if (is_a_target && ratio && *ratio >= kTooSmall) {
       words << ", scattered by " << valueOf(*ratio * *sigma, "rad") << ", " << valueOf(*ratio, "times")
             << " as much as they state; state that sigma (variances are in rad^2)";
     } else if (is_a_target) {
@@ -126,7 +126,7 @@ std::optional<Finding> TrackStarts::findingOf(const std::string& name, const Sen
       words << ", as false sightings do; if there is a target, raise the detector's threshold";
     }
   }
-  return Finding{name, words.str(), !is_a_target && !(ratio && *ratio >= kTooSmall)};
+  return Finding{name, words.str(), !is_a_target};
 }
 
 std::map<std::string, std::optional<Finding>> TrackStarts::findings() const {

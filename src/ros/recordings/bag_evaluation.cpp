@@ -35,10 +35,21 @@ const char* const kTruthTopic = "/truth";  // of simulated recordings
 
 /// Where the pairs, the reports and the figures go.
 struct Output {
-  core::ScoreListener listener;     // empty: nowhere
-  std::string table;                // CSV file of the rows; empty: none
-  std::vector<std::string> inputs;  // files that are read
+  report::ScoreFiles* scores = nullptr;  // null: nowhere
+  std::string table;                     // CSV file of the rows; empty: none
+  std::vector<std::string> inputs;       // files that are read
 };
+
+core::ScoreListener listenerOf(const Output& output) {
+  return output.scores == nullptr ? core::ScoreListener() : output.scores->listener();
+}
+
+void finish(const Output& output, const std::vector<core::EvaluationRow>& rows,
+            const std::vector<core::TargetRow>& targets) {
+  if (output.scores == nullptr) return;
+  output.scores->finish();
+  report::writeEvaluationCsv(output.table, rows, targets, output.inputs);
+}
 
 /// `examples`: of the first one, by reason; may lack some.
 std::string notesOn(const std::map<std::string, std::size_t>& counts, const std::string& what,
@@ -101,7 +112,7 @@ auto addingTo(Innovations& innovations) {
 
 std::string compareWithTruth(RecordingReader& reader, const RecordedTruth& truth,
                              const BagEvaluationSettings& settings, const Output& output) {
-  TruthComparison comparison(truth, settings.evaluation, output.listener);
+  TruthComparison comparison(truth, settings.evaluation, listenerOf(output));
   Innovations innovations;
   RecordingVisitor visitor;
   Span recorded;
@@ -120,7 +131,7 @@ std::string compareWithTruth(RecordingReader& reader, const RecordedTruth& truth
 
   const std::vector<core::EvaluationRow> rows = comparison.rows();
   const std::vector<core::TargetRow> targets = comparison.targetRows();
-  if (!output.table.empty()) report::writeEvaluationCsv(output.table, rows, targets, output.inputs);
+  finish(output, rows, targets);
   const bool has_truth_by_sensor = truth.motions.size() > 1;
   return report::evaluationTable(rows, comparison.bestSigma(), {true, true}) + report::livesTable(rows) +
          report::targetTable(targets) +
@@ -132,7 +143,7 @@ std::string compareWithTruth(RecordingReader& reader, const RecordedTruth& truth
 /// Reads the recording twice: all tracks before the first scan.
 std::string compareWithSightings(RecordingReader& reader, const BagEvaluationSettings& settings,
                                  const Output& output) {
-  report::ResidualComparison comparison(settings.evaluation, output.listener);
+  report::ResidualComparison comparison(settings.evaluation, listenerOf(output));
   Innovations innovations;
   bool has_truth = false;
   RecordingVisitor first_pass;
@@ -150,8 +161,7 @@ std::string compareWithSightings(RecordingReader& reader, const BagEvaluationSet
   };
   reader.read(second_pass);
 
-  if (!output.table.empty())
-    report::writeEvaluationCsv(output.table, report::residualRows(comparison), {}, output.inputs);
+  finish(output, report::residualRows(comparison), {});
   return report::residualTable(comparison) + report::spanTable(comparison) +
          report::innovationTable(innovations) +
          (has_truth ? "There is a truth in this recording: compare with it by --truth /truth\n" : "");
@@ -180,10 +190,7 @@ std::string evaluateBag(const std::string& file, const BagEvaluationSettings& se
   if (settings.csv.empty()) return evaluate(*bag, settings, {});
   const std::vector<std::string> inputs{file, settings.truth};
   report::ScoreFiles files(settings.csv, inputs);
-  const std::string tables =
-      evaluate(*bag, settings, {files.listener(), settings.csv + "/evaluation.csv", inputs});
-  files.finish();
-  return tables;
+  return evaluate(*bag, settings, {&files, settings.csv + "/evaluation.csv", inputs});
 }
 
 }  // namespace sightline_ros

@@ -44,6 +44,22 @@ TEST(ArrivalSurvey, OfTwoSensorsTheLaterOneIsLate) {
   EXPECT_NEAR(plan.delayOf("b"), 0.0, 1e-9);
 }
 
+TEST(ArrivalSurvey, ASensorThatComesWhenTheOthersHaveEndedIsLateByThatMuch) {
+  for (const int late : {1, 2}) {  // of three
+    ArrivalSurvey survey(kMost);
+    for (const bool now : {false, true}) {
+      for (int k = 0; k < 100; ++k) {
+        for (int sensor = 0; sensor < 3; ++sensor) {
+          if ((sensor < late) != now) continue;
+          survey.take(std::string(1, static_cast<char>('a' + sensor)), at(1000.0 + 0.1 * k),
+                      at(1000.0 + 0.1 * k + (now ? 40.0 : 0.0)));
+        }
+      }
+    }
+    EXPECT_NEAR(survey.plan().delayOf("a") - survey.plan().delayOf("c"), 40.0, 1e-9) << late;
+  }
+}
+
 TEST(ArrivalSurvey, AClockThatIsAnHourOffIsNoDelay) {
   const ArrivalPlan plan = planOf(
       {"a", "b", "third"}, [](const std::string& sensor, int) { return sensor == "third" ? -3600.0 : 0.0; });

@@ -132,7 +132,8 @@ TEST_F(RecordingTools, WhereNothingCanBeWrittenSayOneLine) {
     EXPECT_NE(said.find("cannot be written: No such file or directory"), std::string::npos) << said;
   }
   EXPECT_EQ(run("csv_to_bag " + csv_ + " /dev/full").first, 1) << "and not 134";
-  const auto [code, said] = run("evaluate " + tracked_ + " > /dev/full");
+  const auto [code, said] =
+      outcomeOf("( " + std::string(SIGHTLINE_TOOLS_DIR) + "/evaluate " + tracked_ + " > /dev/full )");
   EXPECT_EQ(code, 1);
   EXPECT_NE(said.find("standard output: cannot be written: No space left on device"), std::string::npos)
       << said;
