@@ -66,7 +66,10 @@ void LocalTrackerHealth::note(const TrackerReport& report) {
   const bool was_used = !report.refusal;
   if (!was_used) {
     ++drops_[kindOfComplaint(report)].count;
-    ++sensors_[report.scan->sensor].drops[report.refusal->kind];
+    Sensor& sensor = sensors_[report.scan->sensor];
+    ++sensor.drops[report.refusal->kind];
+    sensor.last_drops[report.refusal->kind] =
+        "in frame \"" + report.scan->header.frame_id + "\": " + report.refusal->detail;
   }
   if (report.went_back) {
     for (auto& named : sensors_) named.second.last_scan = named.second.last_sighting = core::Time{};
@@ -222,6 +225,8 @@ void LocalTrackerHealth::addSensor(const std::string& name, const Sensor& sensor
     status.mergeSummary(DiagnosticStatus::WARN, name + ": " + finding.words);
   }
   for (const auto& [reason, count] : sensor.drops) status.add(name + ": scans dropped, " + reason, count);
+  for (const auto& [reason, why] : sensor.last_drops)
+    status.add(name + ": last scan dropped, " + reason, why);
 }
 
 void LocalTrackerHealth::summarize(core::Time now,

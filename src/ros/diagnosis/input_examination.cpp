@@ -110,8 +110,8 @@ void InputExamination::keepShot(const sightline::SightingArray& scan, Source& so
 }
 
 void InputExamination::take(const sightline::TrackArray& tracks, const std::string& topic) {
-  const auto starts = starts_.find(namespaceOf(topic));
-  if (starts != starts_.end()) starts->second.take(tracks);
+  const auto tracker = trackers_.find(namespaceOf(topic));
+  if (tracker != trackers_.end()) tracker->second.starts.take(tracks);
 }
 
 void InputExamination::turn(const tf2::BufferCore& transforms, const std::string& tracking_frame) {
@@ -138,8 +138,12 @@ void InputExamination::turn(Shot& shot, const tf2::BufferCore& transforms,
 }
 
 void InputExamination::take(const sightline::AssociationArray& associations, const std::string& topic) {
-  const std::string tracker = namespaceOf(topic);
-  if (starts_.size() < kMostSources || starts_.count(tracker) > 0) starts_[tracker].take(associations);
+  const std::string name = namespaceOf(topic);
+  if (trackers_.size() >= kMostSources && trackers_.count(name) == 0) return;
+  const auto [entry, is_new] = trackers_.try_emplace(name);
+  Tracker& tracker = entry->second;
+  if (is_new) tracker.number = static_cast<std::uint32_t>(trackers_.size());
+  tracker.starts.take(associations);
   for (auto& [key, source] : sources_) {
     if (key.first != associations.sensor) continue;
     const auto shot = std::find_if(source.shots.rbegin(), source.shots.rend(), [&](const Shot& other) {
@@ -149,7 +153,8 @@ void InputExamination::take(const sightline::AssociationArray& associations, con
       if (association.decision != sightline::Association::ACCEPTED) continue;
       source.record.takeInnovation(association.distance_squared);
       if (shot == source.shots.rend() || association.sighting >= shot->sightings.size()) continue;
-      shot->sightings[association.sighting].track = tracker + " " + std::to_string(association.track);
+      shot->sightings[association.sighting].track =
+          std::uint64_t{tracker.number} << 32U | std::uint64_t{association.track};
     }
   }
 }
@@ -246,15 +251,15 @@ void InputExamination::findScatter(std::vector<Finding>& found) const {
 /// of each scan, or those that one track took.
 std::optional<double> InputExamination::scatterOf(const Source& source) {
   core::Scatter scatter;
-  std::map<std::string, core::Scatter::Chain> chains;
+  std::map<std::uint64_t, core::Scatter::Chain> chains;  // by track; 0: of scans with one sighting
   for (const Shot& shot : source.shots) {
     if (!shot.R_tracking_sensor) continue;
     const bool is_alone = shot.sightings.size() == 1;
     for (const Seen& seen : shot.sightings) {
-      if (!seen.is_usable || (!is_alone && seen.track.empty())) continue;
+      if (!seen.is_usable || (!is_alone && seen.track == 0)) continue;
       const core::Sighting turned =
           core::rotate(core::sightingOf(seen.angles, seen.covariance), *shot.R_tracking_sensor);
-      scatter.add(chains[is_alone ? "" : seen.track], toCore(shot.header.stamp),
+      scatter.add(chains[is_alone ? 0 : seen.track], toCore(shot.header.stamp),
                   core::anglesOf(turned.direction), core::anglesCovariance(turned));
     }
   }
@@ -278,8 +283,8 @@ std::vector<core::Glimpse> InputExamination::glimpsesOf(const Source& source, Re
 /// Sensors whose sightings start tracks that are never confirmed, in whatever tracker.
 void InputExamination::findStarts(std::vector<Finding>& found) const {
   std::map<std::string, std::optional<Finding>> of_sensors;
-  for (const auto& [tracker, starts] : starts_) {
-    for (const auto& [sensor, finding] : starts.findings()) {
+  for (const auto& [name, tracker] : trackers_) {
+    for (const auto& [sensor, finding] : tracker.starts.findings()) {
       const auto known = of_sensors.try_emplace(sensor, finding).first;
       if (!finding) known->second.reset();
     }

@@ -1,7 +1,7 @@
 #include "sightline/ros/diagnosis/track_starts.h"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 
 #include "sightline/core/model/sphere.h"
@@ -30,47 +30,60 @@ constexpr double kTooSmall = 2.0;     // scatter over the stated sigma
 void TrackStarts::take(const sightline::AssociationArray& associations) {
   if (sensors_.size() >= kMostSensors && sensors_.count(associations.sensor) == 0) return;
   Sensor& sensor = sensors_[associations.sensor];
+  if (isUsed(associations)) return noteUse(sensor);
+  const core::Time time = toCore(associations.header.stamp);
   for (const sightline::Association& association : associations.associations) {
-    if (association.decision == sightline::Association::REJECTED_INPUT) continue;
-    if (association.decision == sightline::Association::ACCEPTED &&
-        established_.count(association.track) > 0) {
-      sensor = Sensor();
-      continue;
-    }
-    ++sensor.sightings;
+    sensor.sightings += association.decision == sightline::Association::REJECTED_INPUT ? 0 : 1;
     if (association.decision != sightline::Association::STARTED_TRACK) continue;
     ++sensor.started;
-    if (pending_.size() >= kMostPending) pending_.erase(pending_.begin());
-    const core::Time time = toCore(associations.header.stamp);
     const auto place = places_.find(association.track);
     if (place != places_.end()) locate(sensor, place->second, time);
+    if (pending_.size() >= kMostPending) pending_.erase(pending_.begin());
     pending_[association.track] = {associations.sensor, time, place != places_.end()};
   }
 }
 
+/// Whether a confirmed track took one of the scan's sightings.
+bool TrackStarts::isUsed(const sightline::AssociationArray& associations) const {
+  return std::any_of(associations.associations.begin(), associations.associations.end(),
+                     [this](const sightline::Association& association) {
+                       return association.decision == sightline::Association::ACCEPTED &&
+                              std::binary_search(established_.begin(), established_.end(), association.track);
+                     });
+}
+
+void TrackStarts::noteUse(Sensor& sensor) {
+  if (sensor.sightings > 0) sensor = Sensor();
+  sensor.was_used = true;
+}
+
 void TrackStarts::take(const sightline::TrackArray& tracks) {
   const core::Time time = toCore(tracks.header.stamp);
-  std::unordered_set<std::uint32_t> here;
   established_.clear();
   places_.clear();
+  std::size_t waiting = 0;  // of the pending ones, those that are still tentative
   for (const sightline::Track& track : tracks.tracks) {
-    here.insert(track.id);
     const bool is_established = track.status != sightline::Track::TENTATIVE;
-    if (is_established) established_.insert(track.id);
+    if (is_established) established_.push_back(track.id);
     if (track.hits == 1 && places_.size() < kMostPending) places_[track.id] = placeOf(track);
-    const auto start = pending_.find(track.id);
+    const auto start = pending_.empty() ? pending_.end() : pending_.find(track.id);
     if (start == pending_.end()) continue;
     Sensor& sensor = sensors_[start->second.sensor];
     if (is_established) {
-      sensor = Sensor();
+      noteUse(sensor);
       pending_.erase(start);
-    } else if (!start->second.is_located && track.hits == 1) {
-      locate(sensor, placeOf(track), start->second.time);
-      start->second.is_located = true;
+      continue;
     }
+    ++waiting;
+    start->second.last_seen = time;
+    if (start->second.is_located || track.hits != 1) continue;
+    locate(sensor, placeOf(track), start->second.time);
+    start->second.is_located = true;
   }
+  std::sort(established_.begin(), established_.end());
+  if (waiting == pending_.size()) return;
   for (auto start = pending_.begin(); start != pending_.end();) {
-    const bool is_over = here.count(start->first) == 0 && start->second.time <= time;
+    const bool is_over = start->second.last_seen != time && start->second.time <= time;
     start = is_over ? pending_.erase(start) : std::next(start);
   }
 }
@@ -106,10 +119,11 @@ void TrackStarts::locate(Sensor& sensor, const Place& place, core::Time time) {
 
 std::optional<Finding> TrackStarts::findingOf(const std::string& name, const Sensor& sensor) {
   if (sensor.sightings < kLeastSightings || sensor.started < kLeastStarts) return std::nullopt;
-  std::ostringstream words;
-  words << sensor.started << " of " << sensor.sightings << " sightings started a track, none was confirmed";
   const bool is_a_target = sensor.compared > 0 && static_cast<double>(sensor.near) >
                                                       kMostNear * static_cast<double>(sensor.compared);
+  if (!is_a_target && sensor.was_used) return std::nullopt;
+  std::ostringstream words;
+  words << sensor.started << " of " << sensor.sightings << " sightings started a track, none was confirmed";
   const auto interval = sensor.intervals.quantile(0.5), step = sensor.steps.quantile(0.5),
              sigma = sensor.sigmas.quantile(0.5), ratio = sensor.scatter.ratio();
   if (interval && step && sigma) {

@@ -101,6 +101,29 @@ TEST(TrackStarts, AreForgottenOnceAConfirmedTrackTakesASighting) {
   EXPECT_EQ(foundOf(starts).words, "");
 }
 
+TEST(TrackStarts, OfFalseSightingsAreNoNewsOnceATargetHasBeenTracked) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> azimuth(-1.0, 1.0);
+  TrackStarts starts;
+  starts.take(tracked(kStart - 1.0, 7000, sightline::Track::CONFIRMED, 0.1, 1e-3));
+  starts.take(decided("cam", kStart - 1.0, sightline::Association::ACCEPTED, 7000));
+  startInVain(starts, 60, 0.1, 1e-3, [&](int) { return azimuth(random); });
+  EXPECT_EQ(foundOf(starts).words, "");
+}
+
+TEST(TrackStarts, AreTheSameWhenTracksComeBeforeTheirAssociations) {
+  TrackStarts starts;
+  for (std::uint32_t id = 1; id <= 60; ++id) {
+    const double time = kStart + 10.0 * id;
+    starts.take(tracked(time, id, sightline::Track::TENTATIVE, 0.01 * id, 3e-4));
+    starts.take(decided("cam", time, sightline::Association::STARTED_TRACK, id));
+  }
+  EXPECT_EQ(foundOf(starts).words.find(
+                "60 of 60 sightings started a track, none was confirmed: they come every 10 s"),
+            0u)
+      << foundOf(starts).words;
+}
+
 TEST(TrackStarts, OfWhichOneIsConfirmedAreFine) {
   TrackStarts starts;
   startInVain(starts, 20, 1.0, 1e-3, [](int k) { return 0.01 * k; });

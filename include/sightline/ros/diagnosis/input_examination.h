@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -68,7 +69,7 @@ class InputExamination {
     Eigen::Vector2d angles;      // [rad]
     Eigen::Matrix2d covariance;  // [rad^2]
     bool is_usable = false;
-    std::string track;  // that took it, of any tracker; empty = none
+    std::uint64_t track = 0;  // that took it, of any tracker (see `Tracker`); 0 = none
   };
 
   struct Shot {
@@ -84,6 +85,12 @@ class InputExamination {
     std::set<std::string> publishers;
     std::vector<Shot> shots;  // every `every`th scan
     std::size_t every = 1;
+  };
+
+  /// A tracker's tracks are `number` << 32 and their id.
+  struct Tracker {
+    std::uint32_t number = 0;
+    TrackStarts starts;
   };
 
   /// How a driver may have got its angles wrong.
@@ -102,7 +109,7 @@ class InputExamination {
   static std::vector<sightline::core::Glimpse> glimpsesOf(const Source& source, Reading reading);
 
   std::map<Key, Source> sources_;
-  std::map<std::string, TrackStarts> starts_;  // by the trackers' namespaces
+  std::map<std::string, Tracker> trackers_;  // by namespace
 };
 
 }  // namespace sightline_ros

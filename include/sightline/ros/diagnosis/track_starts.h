@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <unordered_set>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -30,17 +30,19 @@ class TrackStarts {
   /// What the tracker tracks; after the associations of the same scan, or before.
   void take(const sightline::TrackArray& tracks);
 
-  /// By sensor, what is to be said of it. A note where its sightings lie about as false ones do: then there
-  /// may be no target. Nothing for a sensor of which a confirmed track has taken a sighting lately.
+  ///  /// By sensor, what is to be said of it. A note where its sightings lie about as false ones do, and no
+  /// confirmed track ever took one: then there may be no target. Nothing for a sensor of which a confirmed
+  /// track has taken a sighting lately.
   std::map<std::string, std::optional<Finding>> findings() const;
 
  private:
   /// Since a confirmed track has taken a sighting of the sensor last.
   struct Sensor {
+    bool was_used = false;  // by a confirmed track, ever
     std::size_t sightings = 0;
     std::size_t started = 0;
     std::size_t compared = 0, near = 0;  // starts, and those that lie nearer to the last than to an old one
-    std::array<Eigen::Vector3d, 8> last{};  // directions of the last starts, the newest at started % 8
+    std::array<Eigen::Vector3d, 8> last{};  // directions of the last starts, the next goes to located % 8
     std::size_t located = 0;                // starts with a direction
     sightline::core::Time last_start{};
     sightline::core::RecentValues intervals;  // between scans that start tracks [s]
@@ -53,6 +55,7 @@ class TrackStarts {
     std::string sensor;
     sightline::core::Time time{};
     bool is_located = false;
+    sightline::core::Time last_seen{};  // of the last report that has the track
   };
 
   /// A track with one sighting.
@@ -61,6 +64,8 @@ class TrackStarts {
     Eigen::Matrix2d covariance;  // [rad^2]
   };
 
+  bool isUsed(const sightline::AssociationArray& associations) const;
+  static void noteUse(Sensor& sensor);
   static Place placeOf(const sightline::Track& track);
   static void locate(Sensor& sensor, const Place& place, sightline::core::Time time);
   static std::optional<Finding> findingOf(const std::string& name, const Sensor& sensor);
@@ -68,7 +73,7 @@ class TrackStarts {
   std::map<std::string, Sensor> sensors_;
   std::map<std::uint32_t, Start> pending_;  // started tracks that are not confirmed yet
   std::map<std::uint32_t, Place> places_;   // of the tracks with one sighting in the last report
-  std::unordered_set<std::uint32_t> established_;
+  std::vector<std::uint32_t> established_;  // in the last report, ascending
 };
 
 }  // namespace sightline_ros
