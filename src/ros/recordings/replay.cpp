@@ -219,8 +219,8 @@ void Replay::noteRefusal(const std::string& refusal) {
 /// Local tracks that found no room in the fusion.
 void Replay::noteLeftOut(const sightline::FusionReport& report) {
   for (const sightline::SourceTrack& track : report.left_out) {
-    const auto [kind, detail] = partsOf(track.reason);
-    if (kind == "limit") summary_.noteDrop(fusion_.name() + ": local tracks left out, limit", detail);
+    if (track.reason.compare(0, 6, "limit:") != 0) continue;
+    summary_.noteDrop(fusion_.name() + ": local tracks left out, limit", partsOf(track.reason).second);
   }
 }
 
