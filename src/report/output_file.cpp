@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <unistd.h>
 #include <utility>
 
 namespace sightline::report {
@@ -45,6 +46,8 @@ OutputFile::OutputFile(std::string path, const std::vector<std::string>& inputs)
   std::error_code ignored;
   if (path_.empty()) throw OutputError("the name of the output is empty: name a file");
   if (fs::is_directory(path_, ignored)) throw OutputError(path_ + ": cannot be written: it is a folder");
+  // Its folder would let it be replaced.
+  if (fs::exists(path_, ignored) && ::access(path_.c_str(), W_OK) != 0) throw outputError(path_);
   for (const std::string& input : inputs) {
     if (input.empty()) continue;
     if (isSameFile(input, path_) || isSameFile(input, unfinished_))

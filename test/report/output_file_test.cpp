@@ -4,6 +4,7 @@
 #include <fstream>
 #include <functional>
 #include <sstream>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
@@ -101,6 +102,14 @@ TEST(OutputFile, AnInputIsNotOverwrittenUnderWhateverName) {
   EXPECT_EQ(textOf(input), "data");
   EXPECT_EQ(textOf(unfinished), "an input, too");
   EXPECT_EQ(complaintOf([&] { OutputFile file(folder.file("other.csv"), {input}); }), "");
+}
+
+TEST(OutputFile, AFileThatMayNotBeWrittenIsNotReplaced) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write everything";
+  const ScratchFolder folder;
+  const std::string path = folder.write("out.csv", "before");
+  fs::permissions(path, fs::perms::owner_read);
+  EXPECT_EQ(complaintOf([&] { TextFile file(path); }), path + ": cannot be written: Permission denied");
 }
 
 TEST(OutputFile, ALinkStaysALinkToWhatIsWritten) {

@@ -21,7 +21,7 @@ OutputError outputError(const std::string& file);
 class OutputFile {
  public:
   /// Writes nothing yet. `inputs`: files that are read meanwhile (an empty name is none). Throws OutputError
-  /// when one of them is this file, under whatever name, or when this is a folder.
+  /// when one of them is this file, under whatever name, or when this is a folder or may not be written.
   explicit OutputFile(std::string path, const std::vector<std::string>& inputs = {});
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;

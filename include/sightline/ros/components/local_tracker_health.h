@@ -71,9 +71,9 @@ class LocalTrackerHealth {
     sightline::core::Time last_sighting{};
     std::map<std::string, std::uint64_t> drops;     // scans, by reason
     std::map<std::string, std::string> last_drops;  // likewise, the last one's frame, values and remedy
-    sightline::core::RecentValues latency;       // from stamp to arrival
-    SensorRecord record;                         // of the last seconds
-    std::vector<Finding> findings;               // of the seconds before
+    sightline::core::RecentValues latency;          // from stamp to arrival
+    SensorRecord record;                            // of the last seconds
+    std::vector<Finding> findings;                  // of the seconds before
   };
   struct Counted {
     std::uint64_t count = 0;
