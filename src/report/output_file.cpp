@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <unistd.h>
+#include <fstream>
 #include <utility>
 
 namespace sightline::report {
@@ -47,7 +47,8 @@ OutputFile::OutputFile(std::string path, const std::vector<std::string>& inputs)
   if (path_.empty()) throw OutputError("the name of the output is empty: name a file");
   if (fs::is_directory(path_, ignored)) throw OutputError(path_ + ": cannot be written: it is a folder");
   // Its folder would let it be replaced.
-  if (fs::exists(path_, ignored) && ::access(path_.c_str(), W_OK) != 0) throw outputError(path_);
+  errno = 0;
+  if (fs::is_regular_file(path_, ignored) && !std::ofstream(path_, std::ios::app)) throw outputError(path_);
   for (const std::string& input : inputs) {
     if (input.empty()) continue;
     if (isSameFile(input, path_) || isSameFile(input, unfinished_))
