@@ -22,6 +22,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -32,6 +33,7 @@
 #include "sightline/core/association/assignment.h"
 #include "sightline/core/imaging/spot_detector.h"
 #include "sightline/core/simulation/random_stream.h"
+#include "sightline/report/output_file.h"
 
 #include "quantiles.h"
 
@@ -251,12 +253,12 @@ ClipFigures runClip(const std::string& folder, const std::string& name, const Sp
   cv::VideoCapture video(folder + "/" + name + ".mp4");
   if (!video.isOpened()) throw std::runtime_error(folder + "/" + name + ".mp4: cannot be opened");
   SpotDetector detector(params);
-  std::ofstream sightings, truth;
+  std::optional<report::TextFile> sightings, truth;
   if (!out.empty()) {
-    sightings.open(out + "/" + name + ".csv");
-    truth.open(out + "/" + name + "_truth.csv");
-    sightings << "time,sensor,azimuth,elevation,sigma_azimuth,sigma_elevation,scan\n";
-    truth << "time,target,azimuth,elevation\n";
+    sightings.emplace(out + "/" + name + ".csv");
+    truth.emplace(out + "/" + name + "_truth.csv");
+    sightings->stream() << "time,sensor,azimuth,elevation,sigma_azimuth,sigma_elevation,scan\n";
+    truth->stream() << "time,target,azimuth,elevation\n";
   }
   ClipFigures figures;
   TargetNumbers numbers;
@@ -294,17 +296,20 @@ ClipFigures runClip(const std::string& folder, const std::string& name, const Sp
     for (const core::Spot& spot : spots) {
       const Eigen::Vector2d angles = anglesOfPixel(spot.pixel),
                             sigma = kRadiansPerPixel * spot.covariance.diagonal().cwiseSqrt();
-      sightings << std::to_string(time) << ",infrared," << angles.x() << ',' << angles.y() << ',' << sigma.x()
-                << ',' << sigma.y() << ',' << number << '\n';
+      sightings->stream() << std::to_string(time) << ",infrared," << angles.x() << ',' << angles.y() << ','
+                          << sigma.x() << ',' << sigma.y() << ',' << number << '\n';
     }
     const std::vector<int> targets = numbers.of(here, number);
     for (std::size_t i = 0; i < here.size(); ++i) {
       const Eigen::Vector2d angles = anglesOfPixel(here[i].centre());
-      truth << std::to_string(time) << ',' << targets[i] << ',' << angles.x() << ',' << angles.y() << '\n';
+      truth->stream() << std::to_string(time) << ',' << targets[i] << ',' << angles.x() << ',' << angles.y()
+                      << '\n';
     }
     if (number == 60 || number == 150 || number == 240)
       cv::imwrite(out + "/" + name + "_" + std::to_string(number) + ".png", picture(grey, spots, here));
   }
+  if (sightings) sightings->finish();
+  if (truth) truth->finish();
   return figures;
 }
 

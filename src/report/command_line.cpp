@@ -1,12 +1,16 @@
 #include "sightline/report/command_line.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <csignal>
+#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <limits>
 #include <optional>
 
+#include "sightline/report/output_file.h"
 #include "sightline/report/value_text.h"
 
 namespace sightline::report {
@@ -118,8 +122,11 @@ int runTool(int argc, char** argv, const std::string& usage,
   }
   const std::string path = argv[0];
   const std::string name = path.substr(path.rfind('/') + 1);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit of size is an error of the write
   try {
     tool(words);
+    errno = 0;
+    if (!std::cout.flush() || std::fflush(stdout) != 0) throw outputError("standard output");
   } catch (const UsageError& problem) {
     std::cerr << name << ": " << problem.what() << "\n" << usage;
     return 2;

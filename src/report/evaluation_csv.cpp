@@ -1,10 +1,10 @@
 #include "sightline/report/evaluation_csv.h"
 
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <sstream>
-#include <stdexcept>
+
+#include "sightline/report/output_file.h"
 
 namespace sightline::report {
 namespace {
@@ -128,14 +128,15 @@ void write(std::ostream& stream, const Line& line) {
 }  // namespace
 
 void writeEvaluationCsv(const std::string& path, const std::vector<EvaluationRow>& rows,
-                        const std::vector<core::TargetRow>& targets) {
-  std::ofstream stream(path);
+                        const std::vector<core::TargetRow>& targets, const std::vector<std::string>& inputs) {
+  TextFile file(path, inputs);
+  std::ostream& stream = file.stream();
   Line header;
   for (const char* column : kColumns) header[column] = column;
   write(stream, header);
   for (const EvaluationRow& row : rows) write(stream, lineOf(row));
   for (const core::TargetRow& row : targets) write(stream, lineOf(row));
-  if (!stream.flush()) throw std::runtime_error(path + ": cannot be written");
+  file.finish();
 }
 
 }  // namespace sightline::report

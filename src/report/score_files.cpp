@@ -2,16 +2,16 @@
 
 #include <filesystem>
 #include <optional>
-#include <stdexcept>
 
 namespace sightline::report {
 namespace {
 
-std::ofstream opened(const std::filesystem::path& path) {
-  std::ofstream stream(path);
-  if (!stream) throw std::runtime_error(path.string() + ": cannot be written");
-  stream.precision(15);
-  return stream;
+/// The path of a file in the folder, which is made where it is missing.
+std::string fileIn(const std::string& folder, const char* name) {
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (problem) throw OutputError(folder + ": cannot be made: " + problem.message());
+  return std::filesystem::path(folder) / name;
 }
 
 double secondsOf(core::Time time) {
@@ -24,15 +24,19 @@ std::string orEmpty(const std::optional<double>& value) {
 
 }  // namespace
 
-ScoreFiles::ScoreFiles(const std::string& folder) {
-  std::error_code problem;
-  std::filesystem::create_directories(folder, problem);
-  if (problem) throw std::runtime_error(folder + ": cannot be made: " + problem.message());
-  errors_ = opened(std::filesystem::path(folder) / "errors.csv");
-  gospa_ = opened(std::filesystem::path(folder) / "gospa.csv");
-  errors_ << "topic,name,time,target,track,azimuth,elevation,truth_azimuth,truth_elevation,error_azimuth,"
-             "error_elevation,sigma_azimuth,sigma_elevation,nees_position,nees_state\n";
-  gospa_ << "topic,time,distance,localisation,missed,false,ospa\n";
+ScoreFiles::ScoreFiles(const std::string& folder, const std::vector<std::string>& inputs)
+    : errors_(fileIn(folder, "errors.csv"), inputs), gospa_(fileIn(folder, "gospa.csv"), inputs) {
+  errors_.stream().precision(15);
+  gospa_.stream().precision(15);
+  errors_.stream()
+      << "topic,name,time,target,track,azimuth,elevation,truth_azimuth,truth_elevation,error_azimuth,"
+         "error_elevation,sigma_azimuth,sigma_elevation,nees_position,nees_state\n";
+  gospa_.stream() << "topic,time,distance,localisation,missed,false,ospa\n";
+}
+
+void ScoreFiles::finish() {
+  errors_.finish();
+  gospa_.finish();
 }
 
 core::ScoreListener ScoreFiles::listener() {
@@ -42,18 +46,18 @@ core::ScoreListener ScoreFiles::listener() {
 
 void ScoreFiles::write(const core::ScoredPair& pair) {
   const core::DirectionError& error = pair.error;
-  errors_ << pair.topic << ',' << pair.name << ',' << secondsOf(pair.time) << ',' << pair.target << ','
-          << pair.track << ',' << pair.angles.x() << ',' << pair.angles.y() << ',' << pair.truth.x() << ','
-          << pair.truth.y() << ',' << error.position.x() << ',' << error.position.y() << ','
-          << error.sigma.x() << ',' << error.sigma.y() << ',' << orEmpty(error.position_nees) << ','
-          << orEmpty(error.state_nees) << '\n';
+  errors_.stream() << pair.topic << ',' << pair.name << ',' << secondsOf(pair.time) << ',' << pair.target
+                   << ',' << pair.track << ',' << pair.angles.x() << ',' << pair.angles.y() << ','
+                   << pair.truth.x() << ',' << pair.truth.y() << ',' << error.position.x() << ','
+                   << error.position.y() << ',' << error.sigma.x() << ',' << error.sigma.y() << ','
+                   << orEmpty(error.position_nees) << ',' << orEmpty(error.state_nees) << '\n';
 }
 
 void ScoreFiles::write(const core::ScoredReport& report) {
   const core::Gospa& gospa = report.gospa;
-  gospa_ << report.topic << ',' << secondsOf(report.time) << ',' << gospa.distance << ','
-         << gospa.localisation << ',' << gospa.missed << ',' << gospa.extra << ',' << report.ospa.distance
-         << '\n';
+  gospa_.stream() << report.topic << ',' << secondsOf(report.time) << ',' << gospa.distance << ','
+                  << gospa.localisation << ',' << gospa.missed << ',' << gospa.extra << ','
+                  << report.ospa.distance << '\n';
 }
 
 }  // namespace sightline::report

@@ -8,11 +8,12 @@
 #include "sightline/core/estimators/estimators.h"
 #include "sightline/core/fusion/rules/fusion_rule_table.h"
 #include "sightline/report/command_line.h"
+#include "sightline/ros/recordings/recording_examination.h"
 
 namespace {
 
 const char* const kUsageBeforeEstimators =
-    "Usage: replay [--config FILE.yaml] [--estimator E] [--rule R] IN.bag OUT.bag\n"
+    "Usage: replay [--config FILE.yaml] [--estimator E] [--rule R] [--live] IN.bag OUT.bag\n"
     "Runs the local trackers and the track fusion over a recording, as fast as the machine allows.\n"
     "  IN.bag       every sightline/SightingArray topic is used, with /tf and /tf_static\n"
     "  OUT.bag      IN.bag with the tracks (instead of those it may hold): one tracker for each sensor on\n"
@@ -22,6 +23,9 @@ const char* const kUsageBeforeEstimators =
     "  --config     parameters in the sections local_tracker (of each sensor), sensor_fusion (over all "
     "sightings) and\n"
     "               track_fusion; keys as in config/local_tracker.yaml and config/track_fusion.yaml\n"
+    "  --live       use scans in their order of arrival, and drop what comes too late for live trackers "
+    "(default: nothing\n"
+    "               is late)\n"
     "  --estimator  for every tracker, one of:\n";
 
 /// A line of the usage for each row of a table.
@@ -48,18 +52,23 @@ void print(const sightline_ros::ReplaySummary& summary, const std::string& out, 
   for (const auto& [sensor, topic] : summary.topics) {
     std::printf("  sensor \"%s\" is found under %s: its name is no topic's\n", sensor.c_str(), topic.c_str());
   }
-  for (const auto& [reason, count] : summary.drops) std::printf("  %s: %zu\n", reason.c_str(), count);
+  for (const auto& [reason, count] : summary.drops) {
+    const auto example = summary.examples.find(reason);
+    std::printf("  %s: %zu%s\n", reason.c_str(), count,
+                example == summary.examples.end() ? "" : (", the first " + example->second).c_str());
+  }
   for (const std::string& notice : summary.notices) std::printf("  %s\n", notice.c_str());
   if (summary.drops.empty()) std::printf("  nothing dropped\n");
+  std::printf("%s", sightline_ros::linesOf(summary.findings).c_str());
 }
 
 void run(const std::vector<std::string>& words) {
   using namespace sightline_ros;
-  const sightline::report::CommandLine line(words, {"--config", "--estimator", "--rule"}, 2, 2);
+  const sightline::report::CommandLine line(words, {"--config", "--estimator", "--rule"}, 2, 2, {"--live"});
   const auto start = std::chrono::steady_clock::now();
-  const ReplaySummary summary =
-      replay(line.arguments()[0], line.arguments()[1],
-             {line.option("--config", ""), line.option("--estimator", ""), line.option("--rule", "")});
+  const ReplaySummary summary = replay(line.arguments()[0], line.arguments()[1],
+                                       {line.option("--config", ""), line.option("--estimator", ""),
+                                        line.option("--rule", ""), line.has("--live")});
   print(summary, line.arguments()[1],
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }

@@ -27,15 +27,16 @@ void simulate(const std::vector<std::string>& words) {
   const sightline::report::CommandLine line(words, {"--seed", "--duration", "--sensors", "--stated"}, 2, 2);
   SimulatedRecordingParams params;
   params.is_stated = line.yesOrNo("--stated", params.is_stated);
-  ParamReader reader = ParamReader::fromYamlFiles(
-      {line.option("--sensors", sixSensorsFile()), scenarioFile(line.arguments()[0])});
+  const std::vector<std::string> files{line.option("--sensors", sixSensorsFile()),
+                                       scenarioFile(line.arguments()[0])};
+  ParamReader reader = ParamReader::fromYamlFiles(files);
   if (line.has("--seed")) reader = reader.with("seed", line.wholeNumber("--seed", 0));
   if (line.has("--duration"))
     reader = reader.with("duration", line.number("--duration", 0.0, NumberRange::at_least_zero));
 
-  BagWriter bag(line.arguments()[1]);
-  const SimulatedRecordingSummary summary = recordSimulation(loadScenario(reader), params, *bag);
-  bag.finish();
+  SimulatedRecordingSummary summary;
+  writeBag(line.arguments()[1], files,
+           [&](rosbag::Bag& bag) { summary = recordSimulation(loadScenario(reader), params, bag); });
   std::cout << summary.scans << " scans with " << summary.sightings << " sightings written, and "
             << summary.truths << " samples of the truth\n";
 }

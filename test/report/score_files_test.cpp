@@ -48,6 +48,7 @@ TEST(ScoreFiles, HoldALineForEachPairAndReport) {
     report.gospa.extra = 3;
     report.ospa.distance = 0.25;
     listener.report(report);
+    files.finish();
   }
   EXPECT_EQ(textOf(folder.file("scores/errors.csv")),
             "topic,name,time,target,track,azimuth,elevation,truth_azimuth,truth_elevation,error_azimuth,"

@@ -61,8 +61,8 @@ void LocalReports::replace(Tracker& tracker, const LocalReport& report) const {
   for (const Track& track : report.tracks) {
     if (tracker.tracks.size() >= static_cast<std::size_t>(params_.max_tracks)) {
       if (tracker.surplus.size() >= static_cast<std::size_t>(params_.max_tracks)) break;
-      tracker.surplus[track.id] =
-          "limit: the report has more than " + std::to_string(params_.max_tracks) + " tracks (max_tracks)";
+      tracker.surplus[track.id] = "limit: the report has more than " + std::to_string(params_.max_tracks) +
+                                  " tracks (max_local_tracks)";
     } else if (!tracker.tracks.try_emplace(track.id, LocalTrack{track, report.time, invalidityOf(track)})
                     .second) {
       tracker.surplus[track.id] = "invalid: the report has this id more than once";

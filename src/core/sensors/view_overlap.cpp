@@ -1,6 +1,7 @@
 #include "sightline/core/sensors/view_overlap.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "sightline/core/model/sphere.h"
 
@@ -20,13 +21,17 @@ std::optional<double> separation(const std::vector<Glimpse>& mine, const std::ve
   auto first = others.begin();
   for (const Glimpse& glimpse : mine) {
     while (first != others.end() && first->time < glimpse.time - window) ++first;
-    std::optional<double> nearest;
+    const Glimpse* nearest = nullptr;
+    double least =
+        std::numeric_limits<double>::infinity();  // of the squared chords, which grow with the angles
     for (auto other = first; other != others.end() && other->time <= glimpse.time + window; ++other) {
-      const double distance = angleBetween(glimpse.direction, other->direction);
-      nearest = std::min(nearest.value_or(distance), distance);
+      const double chord_squared = (glimpse.direction - other->direction).squaredNorm();
+      if (chord_squared >= least) continue;
+      least = chord_squared;
+      nearest = &*other;
     }
-    if (!nearest) continue;
-    distances.push_back(*nearest);
+    if (nearest == nullptr) continue;
+    distances.push_back(angleBetween(glimpse.direction, nearest->direction));
     const bool is_same_scan = &glimpse != &mine.front() && (&glimpse - 1)->time == glimpse.time;
     scans += is_same_scan ? 0 : 1;
   }

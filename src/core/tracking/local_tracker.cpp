@@ -77,14 +77,16 @@ std::optional<Refusal> LocalTracker::refusalOf(const Scan& scan) const {
   const bool anything_before = !scans_.empty();
   if (anything_before && lateness > params_.max_lag) {
     std::ostringstream detail;
-    detail << lateness << " s older than the newest scan, more than max_lag " << params_.max_lag << " s";
+    detail << lateness << " s older than the newest scan, more than max_lag " << params_.max_lag
+           << " s: synchronise the clock of " << scan.sensor << ", bring its scans sooner, or raise max_lag";
     return Refusal{"late", detail.str()};
   }
   if (anything_before && scan.time < scans_[0].before->time) {
     return Refusal{"late", "more than " + std::to_string(kMostScans) + " scans have come after it"};
   }
   if (scans_.holds(scan))
-    return Refusal{"duplicate", "this exposure of " + scan.sensor + " has been taken already"};
+    return Refusal{"duplicate",
+                   "this exposure of " + scan.sensor + " has been taken already: publish each exposure once"};
   return std::nullopt;
 }
 
@@ -320,11 +322,17 @@ void LocalTracker::startTracks(AssociatedScan& associated) {
   const double odds = state_.detection.newTargetOdds(scan);
   for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
     const bool has_room = state_.tracks.size() < static_cast<std::size_t>(params_.max_tracks);
-    if (!associated.result.may_start[j] || !has_room) continue;
-    const std::uint32_t id = state_.next_id++;
-    state_.tracks.emplace_back(id, scan, scan.sightings[j], makeEstimator(params_.estimator), odds);
+    if (!associated.result.may_start[j]) continue;
     Association& decision = associated.result.decisions[j] = Association{};
     decision.sighting = static_cast<std::uint32_t>(j);
+    if (!has_room) {
+      decision.decision = Decision::rejected_input;
+      decision.reason = "limit: there are max_tracks " + std::to_string(params_.max_tracks) +
+                        " tracks already, it starts none: raise max_tracks";
+      continue;
+    }
+    const std::uint32_t id = state_.next_id++;
+    state_.tracks.emplace_back(id, scan, scan.sightings[j], makeEstimator(params_.estimator), odds);
     decision.track = id;
     decision.decision = Decision::started_track;
   }

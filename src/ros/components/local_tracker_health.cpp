@@ -24,7 +24,13 @@ constexpr double kRough = 4.0;               // variance over the stated one tha
 constexpr double kSettledSightings = 100.0;  // ... when it rests on so many sightings
 const char* const kRejectedSightings = "sightings rejected";
 
-/// The first reason that an association gives for rejecting a sighting.
+std::string kindOfComplaint(const TrackerReport& report) {
+  if (report.refusal) return "scans dropped, " + report.refusal->kind;
+  return report.rejected > 0 ? kRejectedSightings : "";
+}
+
+}  // namespace
+
 std::string firstRejection(const sightline::AssociationArray& associations) {
   for (const auto& association : associations.associations) {
     if (association.decision != sightline::Association::REJECTED_INPUT) continue;
@@ -32,13 +38,6 @@ std::string firstRejection(const sightline::AssociationArray& associations) {
   }
   return "";
 }
-
-std::string kindOfComplaint(const TrackerReport& report) {
-  if (report.refusal) return "scans dropped, " + report.refusal->kind;
-  return report.rejected > 0 ? kRejectedSightings : "";
-}
-
-}  // namespace
 
 double LocalTrackerHealth::silenceFrom(const ParamReader& reader) {
   return reader.number("silence", kDefaultSilence, above(0.0), "s");
@@ -67,13 +66,18 @@ void LocalTrackerHealth::note(const TrackerReport& report) {
   const bool was_used = !report.refusal;
   if (!was_used) {
     ++drops_[kindOfComplaint(report)].count;
-    ++sensors_[report.scan->sensor].drops[report.refusal->kind];
+    Sensor& sensor = sensors_[report.scan->sensor];
+    ++sensor.drops[report.refusal->kind];
+    sensor.last_drops[report.refusal->kind] =
+        "in frame \"" + report.scan->header.frame_id + "\": " + report.refusal->detail;
   }
   if (report.went_back) {
     for (auto& named : sensors_) named.second.last_scan = named.second.last_sighting = core::Time{};
   }
   if (was_used && report.rejected > 0) drops_[kRejectedSightings].count += report.rejected;
   if (!was_used) return;
+  starts_.take(*report.associations);
+  starts_.take(*report.tracks);
 
   Sensor& sensor = sensors_[report.scan->sensor];
   const core::Time stamp = toCore(report.scan->header.stamp);
@@ -103,7 +107,8 @@ std::optional<std::string> LocalTrackerHealth::warningAbout(const TrackerReport&
   }
   std::ostringstream warning;
   warning << kind << " (" << counted.count - counted.count_warned << " new, " << counted.count
-          << " in all), the last of sensor \"" << report.scan->sensor << "\": "
+          << " in all), the last of sensor \"" << report.scan->sensor << "\" in frame \""
+          << report.scan->header.frame_id << "\": "
           << (report.refusal && !report.refusal->detail.empty() ? report.refusal->detail
                                                                 : firstRejection(*report.associations));
   counted.last_warning = now;
@@ -158,7 +163,10 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
   for (const core::CalibratedSensor& sensor : calibrated) {
     status.add("noise of " + sensor.sensor, textOf(sensor));
     const bool is_rough = sensor.scale > kRough && sensor.sightings >= kSettledSightings;
-    if (is_rough) status.mergeSummary(DiagnosticStatus::WARN, sensor.sensor + ": " + textOf(sensor));
+    if (is_rough) {
+      status.mergeSummary(DiagnosticStatus::WARN, sensor.sensor + ": " + textOf(sensor) +
+                                                      ": state the sigma that its sightings have");
+    }
   }
   for (const core::CalibratedDetection& sensor : detection)
     status.add("detection of " + sensor.sensor, textOf(sensor));
@@ -170,6 +178,7 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
     const std::string clock = clockTextOf(sensor);
     if (!clock.empty()) status.mergeSummary(DiagnosticStatus::WARN, clock);
   }
+  addStarts(status);
   status.add("tracks confirmed", tracks_[sightline::Track::CONFIRMED]);
   status.add("tracks coasting", tracks_[sightline::Track::COASTING]);
   status.add("tracks tentative", tracks_[sightline::Track::TENTATIVE]);
@@ -185,6 +194,14 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
     counted.count_before = counted.count;
   }
   last_diagnosis_ = now;
+}
+
+void LocalTrackerHealth::addStarts(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  for (const auto& [sensor, finding] : starts_.findings()) {
+    if (!finding) continue;
+    status.add("track starts of " + sensor, finding->words);
+    if (!finding->is_note) status.mergeSummary(DiagnosticStatus::WARN, sensor + ": " + finding->words);
+  }
 }
 
 void LocalTrackerHealth::addSensor(const std::string& name, const Sensor& sensor, core::Time now,
@@ -208,6 +225,8 @@ void LocalTrackerHealth::addSensor(const std::string& name, const Sensor& sensor
     status.mergeSummary(DiagnosticStatus::WARN, name + ": " + finding.words);
   }
   for (const auto& [reason, count] : sensor.drops) status.add(name + ": scans dropped, " + reason, count);
+  for (const auto& [reason, why] : sensor.last_drops)
+    status.add(name + ": last scan dropped, " + reason, why);
 }
 
 void LocalTrackerHealth::summarize(core::Time now,

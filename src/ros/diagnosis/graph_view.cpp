@@ -159,6 +159,13 @@ bool isPublished(const GraphView& graph, const std::string& name) {
   });
 }
 
+Finding missingSightings() {
+  return {
+      "sightings",
+      "nobody publishes sightline/SightingArray: start the sensors' drivers, or a sighting_adapter for what "
+      "they publish"};
+}
+
 std::vector<Finding> findingsOf(const GraphView& graph) {
   std::vector<Finding> found;
   findDeadTopics(graph, typeOf<sightline::SightingArray>(), withoutDisplays(graph, trackersOf(graph)),
@@ -170,11 +177,7 @@ std::vector<Finding> findingsOf(const GraphView& graph) {
       std::any_of(graph.topics.begin(), graph.topics.end(), [](const GraphView::Topic& topic) {
         return topic.type == typeOf<sightline::SightingArray>() && !topic.publishers.empty();
       });
-  if (!has_sightings) {
-    found.push_back({"sightings",
-                     "nobody publishes sightline/SightingArray: start the sensors' drivers, or a "
-                     "sighting_adapter for what they publish"});
-  }
+  if (!has_sightings) found.push_back(missingSightings());
   return found;
 }
 

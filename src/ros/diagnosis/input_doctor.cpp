@@ -72,6 +72,12 @@ void InputDoctor::listen() {
             if (is_listening_) examination_.take(*associations, name);
           };
       subscribers_[name] = nh_.subscribe<sightline::AssociationArray>(name, kQueue, take);
+    } else if (topic.type == "sightline/TrackArray") {
+      const boost::function<void(const sightline::TrackArray::ConstPtr&)> take = [this,
+                                                                                  name](const auto& tracks) {
+        if (is_listening_) examination_.take(*tracks, name);
+      };
+      subscribers_[name] = nh_.subscribe<sightline::TrackArray>(name, kQueue, take);
     }
   }
 }

@@ -35,16 +35,18 @@ constexpr double kTooSmall = 2.0;     // scatter over the stated sigma
 constexpr double kTooLarge = 1.0 / 3.0;
 constexpr double kFewTransforms = 0.9;  // share of the scans that must have theirs
 
-std::optional<Eigen::Matrix3d> rotationTo(const std::string& tracking_frame, const std_msgs::Header& header,
-                                          const tf2::BufferCore& transforms) {
-  if (header.frame_id == tracking_frame) return Eigen::Matrix3d::Identity();
-  try {
-    const auto q =
-        transforms.lookupTransform(tracking_frame, header.frame_id, header.stamp).transform.rotation;
-    return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
-  } catch (const tf2::TransformException&) {
-    return std::nullopt;
-  }
+/// The namespace of a topic, "/sensors/eye" of "/sensors/eye/tracks": it tells trackers apart.
+std::string namespaceOf(const std::string& topic) {
+  return topic.substr(0, topic.rfind('/'));
+}
+
+/// How the sigma of the scatter stands to the stated one, with what may have been meant.
+std::string scatterText(double stated, double ratio) {
+  const double actual = ratio * stated;
+  std::string words = "it states a sigma of " + valueOf(stated, "rad") + ", and its sightings scatter by " +
+                      valueOf(actual, "rad") + ", " + valueOf(ratio, "times") + " as much";
+  const bool is_squared = stated < 0.1 && std::abs(std::log(stated / (actual * actual))) < std::log(2.0);
+  return words + (is_squared ? ": a variance given for the sigma?" : "");
 }
 
 Eigen::Vector2d asSent(const Eigen::Vector2d& angles) {
@@ -89,7 +91,8 @@ void InputExamination::take(const sightline::SightingArray& scan, const std::str
 /// Keeps some scans, evenly over the time.
 void InputExamination::keepShot(const sightline::SightingArray& scan, Source& source) {
   if (source.record.scans() % source.every != 0) return;
-  Shot shot{scan.header, {}};
+  Shot shot;
+  shot.header = scan.header;
   for (const sightline::Sighting& sighting : scan.sightings) {
     if (shot.sightings.size() == kMostSightings) break;
     Seen seen;
@@ -106,7 +109,41 @@ void InputExamination::keepShot(const sightline::SightingArray& scan, Source& so
   source.every *= 2;
 }
 
-void InputExamination::take(const sightline::AssociationArray& associations, const std::string& tracker) {
+void InputExamination::take(const sightline::TrackArray& tracks, const std::string& topic) {
+  const auto tracker = trackers_.find(namespaceOf(topic));
+  if (tracker != trackers_.end()) tracker->second.starts.take(tracks);
+}
+
+void InputExamination::turn(const tf2::BufferCore& transforms, const std::string& tracking_frame) {
+  for (auto& [key, source] : sources_) {
+    for (auto shot = source.shots.rbegin(); shot != source.shots.rend() && !shot->is_turned; ++shot)
+      turn(*shot, transforms, tracking_frame);
+  }
+}
+
+void InputExamination::turn(Shot& shot, const tf2::BufferCore& transforms,
+                            const std::string& tracking_frame) {
+  shot.is_turned = true;
+  if (shot.header.frame_id == tracking_frame) {
+    shot.R_tracking_sensor = Eigen::Matrix3d::Identity();
+    return;
+  }
+  try {
+    const auto q = transforms.lookupTransform(tracking_frame, shot.header.frame_id, shot.header.stamp)
+                       .transform.rotation;
+    shot.R_tracking_sensor = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  } catch (const tf2::TransformException& problem) {
+    shot.why = problem.what();
+  }
+}
+
+void InputExamination::take(const sightline::AssociationArray& associations, const std::string& topic) {
+  const std::string name = namespaceOf(topic);
+  if (trackers_.size() >= kMostSources && trackers_.count(name) == 0) return;
+  const auto [entry, is_new] = trackers_.try_emplace(name);
+  Tracker& tracker = entry->second;
+  if (is_new) tracker.number = static_cast<std::uint32_t>(trackers_.size());
+  tracker.starts.take(associations);
   for (auto& [key, source] : sources_) {
     if (key.first != associations.sensor) continue;
     const auto shot = std::find_if(source.shots.rbegin(), source.shots.rend(), [&](const Shot& other) {
@@ -116,7 +153,8 @@ void InputExamination::take(const sightline::AssociationArray& associations, con
       if (association.decision != sightline::Association::ACCEPTED) continue;
       source.record.takeInnovation(association.distance_squared);
       if (shot == source.shots.rend() || association.sighting >= shot->sightings.size()) continue;
-      shot->sightings[association.sighting].track = tracker + " " + std::to_string(association.track);
+      shot->sightings[association.sighting].track =
+          std::uint64_t{tracker.number} << 32U | std::uint64_t{association.track};
     }
   }
 }
@@ -129,7 +167,8 @@ std::vector<InputExamination::Row> InputExamination::sensors() const {
 
 std::vector<Finding> InputExamination::findings(const tf2::BufferCore& transforms,
                                                 const std::string& tracking_frame,
-                                                const InputLimits& limits) const {
+                                                const InputLimits& limits) {
+  turn(transforms, tracking_frame);
   std::vector<Finding> found;
   for (const auto& [key, source] : sources_) {
     for (Finding& finding : source.record.findings(subjectOf(key), limits))
@@ -137,8 +176,9 @@ std::vector<Finding> InputExamination::findings(const tf2::BufferCore& transform
   }
   findSharedNames(found);
   findTransforms(transforms, tracking_frame, found);
-  findScatter(transforms, tracking_frame, found);
-  findSeparateViews(transforms, tracking_frame, found);
+  findScatter(found);
+  findStarts(found);
+  findSeparateViews(found);
   return found;
 }
 
@@ -171,13 +211,12 @@ void InputExamination::findTransforms(const tf2::BufferCore& transforms, const s
       if (shot.header.frame_id.empty() || shot.header.frame_id.front() == '/')
         continue;  // is reported already
       ++asked;
-      if (rotationTo(tracking_frame, shot.header, transforms)) {
+      if (shot.R_tracking_sensor) {
         ++there;
         continue;
       }
       frame = shot.header.frame_id;
-      why.clear();  // it would be added to
-      transforms.canTransform(tracking_frame, frame, shot.header.stamp, &why);
+      why = shot.why;
     }
     if (static_cast<double>(there) >= kFewTransforms * static_cast<double>(asked)) continue;
     const bool is_late = transforms.canTransform(tracking_frame, frame, ros::Time(0));
@@ -195,66 +234,72 @@ void InputExamination::findTransforms(const tf2::BufferCore& transforms, const s
 }
 
 /// Sensors whose sightings scatter more or less than their covariance states.
-void InputExamination::findScatter(const tf2::BufferCore& transforms, const std::string& tracking_frame,
-                                   std::vector<Finding>& found) const {
+void InputExamination::findScatter(std::vector<Finding>& found) const {
   for (const auto& [key, source] : sources_) {
-    const auto ratio = scatterOf(source, transforms, tracking_frame);
+    const auto ratio = scatterOf(source);
     const auto stated = source.record.statedSigma();
     if (!ratio || !stated || (*ratio<kTooSmall&& * ratio> kTooLarge)) continue;
     const bool is_too_small = *ratio >= kTooSmall;
     found.push_back({subjectOf(key),
-                     std::string("its covariance is too ") + (is_too_small ? "small" : "large") +
-                         ": it states a sigma of " + valueOf(*stated, "rad") +
-                         ", and its sightings scatter by " + valueOf(*ratio * *stated, "rad") +
-                         "; state that (variances are in rad^2)" +
+                     std::string("its covariance is too ") + (is_too_small ? "small" : "large") + ": " +
+                         scatterText(*stated, *ratio) + "; state that (variances are in rad^2)" +
                          (is_too_small ? "" : ", unless its errors vary slowly or sightings are smoothed")});
   }
 }
 
 /// In the tracking frame, where the platform's motion is no scatter, and along each target: the only sighting
 /// of each scan, or those that one track took.
-std::optional<double> InputExamination::scatterOf(const Source& source, const tf2::BufferCore& transforms,
-                                                  const std::string& tracking_frame) {
+std::optional<double> InputExamination::scatterOf(const Source& source) {
   core::Scatter scatter;
-  std::map<std::string, core::Scatter::Chain> chains;
+  std::map<std::uint64_t, core::Scatter::Chain> chains;  // by track; 0: of scans with one sighting
   for (const Shot& shot : source.shots) {
-    const auto R_tracking_sensor = rotationTo(tracking_frame, shot.header, transforms);
-    if (!R_tracking_sensor) continue;
+    if (!shot.R_tracking_sensor) continue;
     const bool is_alone = shot.sightings.size() == 1;
     for (const Seen& seen : shot.sightings) {
-      if (!seen.is_usable || (!is_alone && seen.track.empty())) continue;
+      if (!seen.is_usable || (!is_alone && seen.track == 0)) continue;
       const core::Sighting turned =
-          core::rotate(core::sightingOf(seen.angles, seen.covariance), *R_tracking_sensor);
-      scatter.add(chains[is_alone ? "" : seen.track], toCore(shot.header.stamp),
+          core::rotate(core::sightingOf(seen.angles, seen.covariance), *shot.R_tracking_sensor);
+      scatter.add(chains[is_alone ? 0 : seen.track], toCore(shot.header.stamp),
                   core::anglesOf(turned.direction), core::anglesCovariance(turned));
     }
   }
   return scatter.ratio();
 }
 
-std::vector<core::Glimpse> InputExamination::glimpsesOf(const Source& source,
-                                                        const tf2::BufferCore& transforms,
-                                                        const std::string& tracking_frame, Reading reading) {
+std::vector<core::Glimpse> InputExamination::glimpsesOf(const Source& source, Reading reading) {
   std::vector<core::Glimpse> glimpses;
   for (const Shot& shot : source.shots) {
-    const auto R_tracking_sensor = rotationTo(tracking_frame, shot.header, transforms);
-    if (!R_tracking_sensor) continue;
+    if (!shot.R_tracking_sensor) continue;
     for (const Seen& seen : shot.sightings) {
       if (!seen.is_usable) continue;
       glimpses.push_back(
-          {toCore(shot.header.stamp), *R_tracking_sensor * core::directionOf(reading(seen.angles))});
+          {toCore(shot.header.stamp), *shot.R_tracking_sensor * core::directionOf(reading(seen.angles))});
     }
   }
   std::sort(glimpses.begin(), glimpses.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
   return glimpses;
 }
 
-/// Sensors that never see what any other sees.
-void InputExamination::findSeparateViews(const tf2::BufferCore& transforms, const std::string& tracking_frame,
-                                         std::vector<Finding>& found) const {
+/// Sensors whose sightings start tracks that are never confirmed, in whatever tracker.
+void InputExamination::findStarts(std::vector<Finding>& found) const {
+  std::map<std::string, std::optional<Finding>> of_sensors;
+  for (const auto& [name, tracker] : trackers_) {
+    for (const auto& [sensor, finding] : tracker.starts.findings()) {
+      const auto known = of_sensors.try_emplace(sensor, finding).first;
+      if (!finding) known->second.reset();
+    }
+  }
+  for (const auto& [sensor, finding] : of_sensors) {
+    if (finding) found.push_back(*finding);
+  }
+}
+
+/// Sensors that never see what any other sees. They may look elsewhere, unless another reading of their
+/// angles agrees with the others.
+void InputExamination::findSeparateViews(std::vector<Finding>& found) const {
   std::map<Key, std::vector<core::Glimpse>> seen;
   for (const auto& [key, source] : sources_) {
-    if (!source.record.isMostlyRefused()) seen[key] = glimpsesOf(source, transforms, tracking_frame, asSent);
+    if (!source.record.isMostlyRefused()) seen[key] = glimpsesOf(source, asSent);
   }
   for (const auto& [key, source] : sources_) {
     if (source.record.isMostlyRefused()) continue;  // is reported already
@@ -270,17 +315,20 @@ void InputExamination::findSeparateViews(const tf2::BufferCore& transforms, cons
     std::string hint =
         "does it look elsewhere, or are its frame or axes wrong (x forward, y left, z up; azimuth "
         "counter-clockwise)?";
+    bool is_explained = false;
     double best = std::min(reach, std::max(kAgreement, sigma));
     for (const Mistake& mistake : kMistakes) {
-      const auto glimpses = glimpsesOf(source, transforms, tracking_frame, mistake.reading);
+      const auto glimpses = glimpsesOf(source, mistake.reading);
       const auto nearer = core::separation(glimpses, others);
       if (!nearer || *nearer >= best) continue;
       best = *nearer;
       hint = mistake.words;
+      is_explained = true;
     }
-    found.push_back(
-        {subjectOf(key), "what it sees is " + valueOf(*distance, "rad") +
-                             " from anything that the other sensors see at the same time: " + hint});
+    found.push_back({subjectOf(key),
+                     "what it sees is " + valueOf(*distance, "rad") +
+                         " from anything that the other sensors see at the same time: " + hint,
+                     !is_explained});
   }
 }
 

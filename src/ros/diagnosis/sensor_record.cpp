@@ -137,10 +137,14 @@ std::optional<std::string> SensorRecord::stampText(const InputLimits& limits) co
 
 std::optional<std::string> SensorRecord::duplicateText() const {
   if (static_cast<double>(repeated_) <= kShare * static_cast<double>(stamped_)) return std::nullopt;
-  return count(repeated_) +
-         " repeat the stamp of the one before: an exposure is one message, with its own stamp; duplicates "
-         "are "
-         "dropped. Two publishers of the same topic, or stamps that are too coarse?";
+  const std::size_t distinct = std::max<std::size_t>(1, stamped_ - repeated_);
+  return count(repeated_) + " repeat the stamp of the one before (" +
+         valueOf(static_cast<double>(stamped_) / static_cast<double>(distinct), "scans") +
+         " share each stamp): an exposure is one message, with its own stamp, and errors look like motion "
+         "where "
+         "stamps are wrong; duplicates are dropped. Two publishers of the same topic, or stamps that are too "
+         "coarse "
+         "(rounded to whole seconds?)";
 }
 
 std::optional<std::string> SensorRecord::gapText() const {

@@ -90,6 +90,8 @@ FramedScan FrameChange::withoutTransform(const Waiting& scan, core::Time now) co
   if (why.find("extrapolation") != std::string::npos) {
     detail << " (transforms are interpolated between two stamps and never extrapolated: publish them for the "
               "stamps of the scans)";
+  } else {
+    detail << " (publish it on /tf or /tf_static, or correct header.frame_id or tracking_frame)";
   }
   return refusedScan(scan.message, {"no transform", detail.str()});
 }

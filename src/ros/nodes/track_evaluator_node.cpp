@@ -1,9 +1,6 @@
 #include "sightline/ros/nodes/track_evaluator_node.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iostream>
 #include <sstream>
 #include <unistd.h>
@@ -12,6 +9,7 @@
 #include <sightline/Evaluation.h>
 
 #include "sightline/report/evaluation_text.h"
+#include "sightline/report/output_file.h"
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/evaluation_messages.h"
@@ -42,10 +40,14 @@ std::vector<std::string> ofSixSensors(const std::string& last) {
 
 /// A table that cannot be written is refused before the run, whose result would be lost.
 void checkWritable(const ParamReader& reader, const std::string& table_file) {
-  if (table_file.empty() || std::ofstream(table_file, std::ios::app)) return;
-  throw reader.error("table_file", "expected a file that can be written, got \"" + table_file + "\" (" +
-                                       std::strerror(errno) +
-                                       "): name a folder that is there, with its full path");
+  if (table_file.empty()) return;
+  try {
+    const report::TextFile probe(table_file);
+  } catch (const report::OutputError& problem) {
+    throw reader.error("table_file", "expected a file that can be written, got \"" + table_file + "\" (" +
+                                         problem.what() +
+                                         "): name a folder that is there, with its full path");
+  }
 }
 
 TrackEvaluatorParams loadAll(const ParamReader& reader) {
@@ -213,9 +215,13 @@ std::string TrackEvaluatorNode::table() const {
 void TrackEvaluatorNode::printTable() const {
   const std::string text = table();
   if (!params_.table_file.empty()) {
-    std::ofstream file(params_.table_file);
-    if (file << text << std::flush) return;
-    std::cerr << params_.table_file << ": the table cannot be written there, it comes here instead\n";
+    try {
+      report::TextFile file(params_.table_file);
+      file.stream() << text;
+      return file.finish();
+    } catch (const report::OutputError& problem) {
+      std::cerr << problem.what() << ": the table comes here instead\n";
+    }
   }
   std::cout << text << std::flush;
 }

@@ -1,8 +1,11 @@
 #include "sightline/ros/recordings/bag_evaluation.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <iomanip>
 #include <map>
-#include <optional>
+#include <sstream>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -15,6 +18,7 @@
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/recordings/bags.h"
 #include "sightline/ros/recordings/recorded_truth.h"
+#include "sightline/ros/recordings/recording_examination.h"
 #include "sightline/ros/recordings/recording_reader.h"
 #include "sightline/ros/recordings/truth_comparison.h"
 
@@ -31,15 +35,71 @@ const char* const kTruthTopic = "/truth";  // of simulated recordings
 
 /// Where the pairs, the reports and the figures go.
 struct Output {
-  core::ScoreListener listener;  // empty: nowhere
-  std::string table;             // CSV file of the rows; empty: none
+  report::ScoreFiles* scores = nullptr;  // null: nowhere
+  std::string table;                     // CSV file of the rows; empty: none
+  std::vector<std::string> inputs;       // files that are read
 };
 
-std::string notesOn(const std::map<std::string, std::size_t>& counts, const std::string& what) {
+core::ScoreListener listenerOf(const Output& output) {
+  return output.scores == nullptr ? core::ScoreListener() : output.scores->listener();
+}
+
+void finish(const Output& output, const std::vector<core::EvaluationRow>& rows,
+            const std::vector<core::TargetRow>& targets) {
+  if (output.scores == nullptr) return;
+  output.scores->finish();
+  report::writeEvaluationCsv(output.table, rows, targets, output.inputs);
+}
+
+/// `examples`: of the first one, by reason; may lack some.
+std::string notesOn(const std::map<std::string, std::size_t>& counts, const std::string& what,
+                    const std::map<std::string, std::string>& examples = {}) {
   std::string notes;
-  for (const auto& [reason, count] : counts)
-    notes += std::to_string(count) + " " + what + " " + reason + "\n";
+  for (const auto& [reason, count] : counts) {
+    const auto example = examples.find(reason);
+    notes += std::to_string(count) + " " + what + " " + reason +
+             (example == examples.end() ? "" : ", the first " + example->second) + "\n";
+  }
   return notes;
+}
+
+/// A stretch of time that grows by what is in it.
+struct Span {
+  core::Time first = core::Time::max(), last = core::Time::min();
+
+  void add(core::Time time) {
+    first = std::min(first, time);
+    last = std::max(last, time);
+  }
+  bool isEmpty() const { return first > last; }
+};
+
+std::string textOf(const Span& span) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(3) << core::seconds(span.first.time_since_epoch()) << " s to "
+       << core::seconds(span.last.time_since_epoch()) << " s";
+  return text.str();
+}
+
+Span spanOf(const RecordedTruth& truth) {
+  Span span;
+  for (const auto& [sensor, motions] : truth.motions) {
+    if (motions.empty()) continue;
+    span.add(motions.begin()->first);
+    span.add(motions.rbegin()->first);
+  }
+  return span;
+}
+
+void requireOverlap(const std::string& name, const RecordedTruth& truth, const Span& recorded) {
+  const Span known = spanOf(truth);
+  const bool overlaps = known.first <= recorded.last && recorded.first <= known.last;
+  if (recorded.isEmpty() || known.isEmpty() || overlaps) return;
+  throw std::runtime_error(
+      name + ": the truth is of " + textOf(known) + ", and the recording's sightings and tracks of " +
+      textOf(recorded) +
+      ": they have no time in common; use the truth of this recording, or bring both to one "
+      "time (csv_to_bag --offset adds to a recording's)");
 }
 
 /// Adds the associations of a recording to the statistics of their topic.
@@ -52,21 +112,26 @@ auto addingTo(Innovations& innovations) {
 
 std::string compareWithTruth(RecordingReader& reader, const RecordedTruth& truth,
                              const BagEvaluationSettings& settings, const Output& output) {
-  TruthComparison comparison(truth, settings.evaluation, output.listener);
+  TruthComparison comparison(truth, settings.evaluation, listenerOf(output));
   Innovations innovations;
   RecordingVisitor visitor;
+  Span recorded;
   visitor.scan = [&](const std::string& topic, core::Scan scan) {
+    recorded.add(scan.time);
     comparison.addScan(topic, std::move(scan));
   };
   visitor.tracks = [&](const std::string& topic, core::TrackReport tracks) {
-    if (topic != settings.truth) comparison.addTracks(topic, std::move(tracks));
+    if (topic == settings.truth) return;
+    recorded.add(tracks.time);
+    comparison.addTracks(topic, std::move(tracks));
   };
   visitor.associations = addingTo(innovations);
   reader.read(visitor);
+  requireOverlap(settings.truth, truth, recorded);
 
   const std::vector<core::EvaluationRow> rows = comparison.rows();
   const std::vector<core::TargetRow> targets = comparison.targetRows();
-  if (!output.table.empty()) report::writeEvaluationCsv(output.table, rows, targets);
+  finish(output, rows, targets);
   const bool has_truth_by_sensor = truth.motions.size() > 1;
   return report::evaluationTable(rows, comparison.bestSigma(), {true, true}) + report::livesTable(rows) +
          report::targetTable(targets) +
@@ -78,7 +143,7 @@ std::string compareWithTruth(RecordingReader& reader, const RecordedTruth& truth
 /// Reads the recording twice: all tracks before the first scan.
 std::string compareWithSightings(RecordingReader& reader, const BagEvaluationSettings& settings,
                                  const Output& output) {
-  report::ResidualComparison comparison(settings.evaluation, output.listener);
+  report::ResidualComparison comparison(settings.evaluation, listenerOf(output));
   Innovations innovations;
   bool has_truth = false;
   RecordingVisitor first_pass;
@@ -96,7 +161,7 @@ std::string compareWithSightings(RecordingReader& reader, const BagEvaluationSet
   };
   reader.read(second_pass);
 
-  if (!output.table.empty()) report::writeEvaluationCsv(output.table, report::residualRows(comparison), {});
+  finish(output, report::residualRows(comparison), {});
   return report::residualTable(comparison) + report::spanTable(comparison) +
          report::innovationTable(innovations) +
          (has_truth ? "There is a truth in this recording: compare with it by --truth /truth\n" : "");
@@ -107,10 +172,15 @@ std::string evaluate(const rosbag::Bag& bag, const BagEvaluationSettings& settin
   RecordedTruth truth;
   if (has_truth)
     truth = readTruth(settings.truth, bag, settings.evaluation.channels, settings.evaluation.truth_gap);
+  RecordingExaminationParams examination;
+  examination.tracking_frame = truth.frame;
+  examination.with_latency = false;
   RecordingReader reader(bag, truth.frame.empty() ? trackingFrameOf(bag) : truth.frame);
   const std::string tables = has_truth ? compareWithTruth(reader, truth, settings, output)
                                        : compareWithSightings(reader, settings, output);
-  return tables + notesOn(reader.leftOut(), "messages left out on");
+  const std::string findings = linesOf(examineRecording(bag, examination).findings);
+  return tables + notesOn(reader.leftOut(), "messages left out on", reader.examples()) +
+         (findings.empty() ? "" : "Inputs:\n" + findings);
 }
 
 }  // namespace
@@ -118,8 +188,9 @@ std::string evaluate(const rosbag::Bag& bag, const BagEvaluationSettings& settin
 std::string evaluateBag(const std::string& file, const BagEvaluationSettings& settings) {
   const auto bag = openBag(file);
   if (settings.csv.empty()) return evaluate(*bag, settings, {});
-  report::ScoreFiles files(settings.csv);
-  return evaluate(*bag, settings, {files.listener(), settings.csv + "/evaluation.csv"});
+  const std::vector<std::string> inputs{file, settings.truth};
+  report::ScoreFiles files(settings.csv, inputs);
+  return evaluate(*bag, settings, {&files, settings.csv + "/evaluation.csv", inputs});
 }
 
 }  // namespace sightline_ros

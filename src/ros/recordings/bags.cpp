@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include <rosbag/exceptions.h>
 
 namespace sightline_ros {
+
+namespace report = sightline::report;
+using report::outputError;
 
 std::unique_ptr<rosbag::Bag> openBag(const std::string& file) {
   if (!std::filesystem::exists(file)) throw std::runtime_error(file + ": there is no such file");
@@ -24,26 +26,74 @@ std::unique_ptr<rosbag::Bag> openBag(const std::string& file) {
   }
 }
 
-BagWriter::BagWriter(const std::string& file) : file_(file), unfinished_(file + ".unfinished") {
+namespace {
+
+/// A bag that cannot be written to its end is left as it is: its destructor would try to close it, and throw.
+void giveUp(std::unique_ptr<rosbag::Bag> bag) {
+  static auto* const given_up = new std::vector<rosbag::Bag*>();
+  given_up->push_back(bag.release());
+}
+
+}  // namespace
+
+BagWriter::BagWriter(const std::string& file, const std::vector<std::string>& inputs)
+    : file_(file, inputs), bag_(std::make_unique<rosbag::Bag>()) {
+  errno = 0;
   try {
-    bag_.open(unfinished_, rosbag::bagmode::Write);
+    bag_->open(file_.unfinished(), rosbag::bagmode::Write);
   } catch (const rosbag::BagException& problem) {
-    throw std::runtime_error(file + ": cannot be written: " + problem.what());
+    const int reason = errno;
+    giveUp(std::move(bag_));
+    errno = reason;
+    if (errno != 0) throw outputError(file);
+    throw report::OutputError(file + ": cannot be written: " + problem.what());
   }
 }
 
 BagWriter::~BagWriter() {
-  if (unfinished_.empty()) return;
-  bag_.close();
-  std::remove(unfinished_.c_str());
+  try {
+    if (bag_) close();
+  } catch (const std::exception&) {  // nobody needs it any more
+  }
+}
+
+void BagWriter::close() {
+  std::unique_ptr<rosbag::Bag> bag = std::move(bag_);
+  try {
+    bag->close();
+  } catch (...) {
+    const int reason = errno;
+    giveUp(std::move(bag));
+    errno = reason;
+    throw;
+  }
 }
 
 void BagWriter::finish() {
-  bag_.close();
-  if (std::rename(unfinished_.c_str(), file_.c_str()) != 0) {
-    throw std::runtime_error(file_ + ": cannot be written: " + std::strerror(errno));
+  errno = 0;
+  try {
+    close();
+  } catch (const rosbag::BagException& problem) {
+    if (errno != 0) throw outputError(file_.path());
+    throw report::OutputError(file_.path() + ": cannot be written: " + problem.what());
   }
-  unfinished_.clear();
+  file_.finish();
+}
+
+void writeBag(const std::string& file, const std::vector<std::string>& inputs,
+              const std::function<void(rosbag::Bag& bag)>& fill) {
+  BagWriter bag(file, inputs);
+  errno = 0;
+  try {
+    fill(*bag);
+  } catch (const rosbag::BagIOException& problem) {
+    const bool is_of_output = errno == ENOSPC || errno == EFBIG || errno == EDQUOT;
+    if (is_of_output) throw outputError(file);
+    if (std::string(problem.what()).find("writing") != std::string::npos)
+      throw report::OutputError(file + ": cannot be written: " + problem.what());
+    throw;
+  }
+  bag.finish();
 }
 
 bool isTopicPart(const std::string& name) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iomanip>
 #include <limits>
 #include <map>
@@ -18,6 +17,7 @@
 #include <rosbag/view.h>
 
 #include "sightline/core/model/sighting.h"
+#include "sightline/report/output_file.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/recordings/bags.h"
 
@@ -146,16 +146,16 @@ std::string convertCsvToBag(const std::string& csv, const std::string& bag_file,
                             double offset) {
   const auto scans = scansOf(readSightingTable(csv), frame, offset);
   if (scans.empty()) throw report::CsvError(csv + ": there is no sighting in it");
-  BagWriter bag(bag_file);
   std::set<std::string> topics;
   std::size_t sightings = 0;
-  for (const auto& scan : scans) {
-    const std::string topic = sensorTopic(scan.sensor, "sightings");
-    bag->write(topic, scan.header.stamp, scan);
-    topics.insert(topic);
-    sightings += scan.sightings.size();
-  }
-  bag.finish();
+  writeBag(bag_file, {csv}, [&](rosbag::Bag& bag) {
+    for (const auto& scan : scans) {
+      const std::string topic = sensorTopic(scan.sensor, "sightings");
+      bag.write(topic, scan.header.stamp, scan);
+      topics.insert(topic);
+      sightings += scan.sightings.size();
+    }
+  });
   std::ostringstream summary;
   summary << bag_file << ": " << scans.size() << " scans with " << sightings << " sightings in frame "
           << frame << " on";
@@ -165,6 +165,7 @@ std::string convertCsvToBag(const std::string& csv, const std::string& bag_file,
 
 std::string convertBagToCsv(const std::string& bag_file, const std::string& csv,
                             const std::vector<std::string>& topics) {
+  report::TextFile table(csv, {bag_file});
   const auto bag = openBag(bag_file);
   TrackLines lines;
   rosbag::View view(*bag, rosbag::TypeQuery(ros::message_traits::datatype<sightline::TrackArray>()));
@@ -180,11 +181,9 @@ std::string convertBagToCsv(const std::string& bag_file, const std::string& csv,
   if (lines.empty())
     throw std::runtime_error(bag_file + ": there is no TrackArray message in it" +
                              (topics.empty() ? "" : " on these topics"));
-  std::ofstream stream(csv);
-  stream << trackColumns() << '\n';
-  for (const auto& line : lines) stream << line.second;
-  stream.flush();
-  if (!stream) throw std::runtime_error(csv + ": cannot be written");
+  table.stream() << trackColumns() << '\n';
+  for (const auto& line : lines) table.stream() << line.second;
+  table.finish();
   return csv + ": " + std::to_string(lines.size()) + " messages";
 }
 

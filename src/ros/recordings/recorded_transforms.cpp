@@ -1,8 +1,10 @@
 #include "sightline/ros/recordings/recorded_transforms.h"
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include <rosbag/view.h>
 #include <tf2_msgs/TFMessage.h>
@@ -10,6 +12,9 @@
 #include "sightline/ros/messages/conversions.h"
 
 namespace sightline_ros {
+
+namespace core = sightline::core;
+
 namespace {
 
 std::vector<geometry_msgs::TransformStamped> transformsOn(const std::string& topic, const rosbag::Bag& bag) {
@@ -33,13 +38,22 @@ bool isRepeated(const geometry_msgs::TransformStamped& a, const geometry_msgs::T
 
 }  // namespace
 
-RecordedTransforms::RecordedTransforms(const rosbag::Bag& bag)
-    : buffer_(ros::Duration(kReach)),
-      fixed_(transformsOn("/tf_static", bag)),
-      moving_(transformsOn("/tf", bag)) {
-  std::stable_sort(moving_.begin(), moving_.end(), precedes);
+RecordedTransforms::RecordedTransforms(const rosbag::Bag& bag, KnownTransforms known)
+    : buffer_(ros::Duration(kReach)), fixed_(transformsOn("/tf_static", bag)) {
+  auto moving = transformsOn("/tf", bag);
+  std::stable_sort(moving.begin(), moving.end(), precedes);
   // The buffer would complain of each repetition.
-  moving_.erase(std::unique(moving_.begin(), moving_.end(), isRepeated), moving_.end());
+  moving.erase(std::unique(moving.begin(), moving.end(), isRepeated), moving.end());
+  std::map<std::string, core::Time> last;  // stamp, by child frame
+  moving_.reserve(moving.size());
+  for (geometry_msgs::TransformStamped& transform : moving) {
+    const core::Time stamp = toCore(transform.header.stamp);
+    const auto [before, is_first] = last.try_emplace(transform.child_frame_id, core::Time::min());
+    moving_.push_back({known == KnownTransforms::one_further ? before->second : stamp, std::move(transform)});
+    before->second = stamp;
+  }
+  std::stable_sort(moving_.begin(), moving_.end(),
+                   [](const Moving& a, const Moving& b) { return a.due < b.due; });
   rewind();
 }
 
@@ -49,10 +63,9 @@ void RecordedTransforms::rewind() {
   for (const auto& transform : fixed_) buffer_.setTransform(transform, "bag", true);
 }
 
-void RecordedTransforms::advanceTo(sightline::core::Time time) {
-  for (; next_ < moving_.size() && toCore(moving_[next_].header.stamp) <= time; ++next_) {
-    buffer_.setTransform(moving_[next_], "bag", false);
-  }
+void RecordedTransforms::advanceTo(core::Time time) {
+  for (; next_ < moving_.size() && moving_[next_].due <= time; ++next_)
+    buffer_.setTransform(moving_[next_].transform, "bag", false);
 }
 
 }  // namespace sightline_ros

@@ -1,7 +1,5 @@
 #include "sightline/ros/recordings/recording_reader.h"
 
-#include <stdexcept>
-
 #include <rosbag/view.h>
 #include <sightline/SightingArray.h>
 #include <sightline/TrackArray.h>
@@ -9,6 +7,7 @@
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/evaluation_messages.h"
 #include "sightline/ros/recordings/recorded_transforms.h"
+#include "sightline/ros/recordings/replay.h"
 
 namespace sightline_ros {
 
@@ -18,16 +17,6 @@ using sightline::SightingArray;
 using sightline::TrackArray;
 
 namespace {
-
-template <typename Message>
-typename Message::ConstPtr messageOf(const rosbag::MessageInstance& instance) {
-  typename Message::ConstPtr message = instance.instantiate<Message>();
-  if (!message) {
-    throw std::runtime_error(instance.getTopic() + " was recorded with another definition of " +
-                             instance.getDataType());
-  }
-  return message;
-}
 
 /// The scan in the tracking frame, with all transforms of the recording that it could have waited for.
 FramedScan framed(const SightingArray::ConstPtr& message, const FrameChangeParams& params,
@@ -50,16 +39,20 @@ RecordingReader::RecordingReader(const rosbag::Bag& bag, const std::string& trac
 
 void RecordingReader::read(const RecordingVisitor& visitor) {
   left_out_.clear();
+  examples_.clear();
   RecordedTransforms transforms(bag_);
   rosbag::View view(bag_);
   for (const rosbag::MessageInstance& instance : view) {
     const std::string topic = instance.getTopic();
     if (visitor.scan && instance.isType<SightingArray>()) {
-      FramedScan scan = framed(messageOf<SightingArray>(instance), frames_, transforms);
+      const auto message = messageOf<SightingArray>(instance);
+      FramedScan scan = framed(message, frames_, transforms);
       if (!scan.refusal) {
         visitor.scan(topic, std::move(scan.scan));
       } else {
-        ++left_out_[topic + ": " + scan.refusal->kind];
+        const std::string reason = topic + ": " + scan.refusal->kind;
+        ++left_out_[reason];
+        examples_.try_emplace(reason, exampleOf(*message, scan.refusal->detail));
       }
     } else if (visitor.tracks && instance.isType<TrackArray>()) {
       const auto tracks = messageOf<TrackArray>(instance);

@@ -1,15 +1,18 @@
 #include "sightline/ros/recordings/replay.h"
 
 #include <algorithm>
-#include <filesystem>
+#include <iomanip>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
+#include <sightline/FusionReport.h>
 
 #include "sightline/ros/components/local_tracker_component.h"
 #include "sightline/ros/components/track_fusion_component.h"
+#include "sightline/ros/diagnosis/input_examination.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/params/param_reader.h"
 #include "sightline/ros/recordings/bags.h"
@@ -50,22 +53,26 @@ ParamReader fusionSectionOf(const ParamReader& config, const ReplaySettings& set
   return settings.estimator.empty() ? section : section.with("estimator", settings.estimator);
 }
 
-/// The kind of a refusal "kind: details".
-std::string kindOf(const std::string& refusal) {
-  return refusal.substr(0, refusal.find(':'));
+/// The kind of a refusal "kind: details", and its details.
+std::pair<std::string, std::string> partsOf(const std::string& refusal) {
+  const std::size_t colon = refusal.find(": ");
+  if (colon == std::string::npos) return {refusal, ""};
+  return {refusal.substr(0, colon), refusal.substr(colon + 2)};
 }
 
 /// The trackers and the fusion of one replay: scans in, messages out.
 class Replay {
  public:
-  Replay(const rosbag::Bag& in, rosbag::Bag& out, const ParamReader& config, const ReplaySettings& settings);
+  /// `survey`: of the recording `in`.
+  Replay(const rosbag::Bag& in, const RecordingSurvey& survey, rosbag::Bag& out, const ParamReader& config,
+         const ReplaySettings& settings);
 
   ReplaySummary run(const rosbag::Bag& in);
 
  private:
   void addTracker(const std::string& sensor, const std::string& name, const std::string& space,
                   const ParamReader& section);
-  RecordedScans recordedScans();
+  RecordedOrder orderOfScans() const;
   void follow(const DueScans& due);
   void startAnew(core::Time time);
   void follow(const SightingArray::ConstPtr& scan);
@@ -73,18 +80,28 @@ class Replay {
   void fuse(const Tracker& tracker, const std::vector<TrackerReport>& reports);
   void sendOverdueTracklets(core::Time now);
   void sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets);
+  void noteRefusal(const std::string& refusal);
+  void noteLeftOut(const sightline::FusionReport& report);
 
+  bool is_live_;
+  core::ArrivalPlan arrivals_;
   ReplaySummary summary_;
   ReplayOutput output_;
   RecordedTransforms transforms_;
   std::map<std::string, Tracker> trackers_;  // by sensor; kAllSensors for the one over all sightings
   TrackFusionComponent fusion_;
+  InputExamination examination_;
+  std::map<std::string, std::string> topics_;  // of the scans, by sensor
 };
 
-Replay::Replay(const rosbag::Bag& in, rosbag::Bag& out, const ParamReader& config,
-               const ReplaySettings& settings)
-    : output_(out, summary_), transforms_(in), fusion_(fusionSectionOf(config, settings), "fusion") {
-  for (const auto& [sensor, part] : topicPartsOf(sensorsOf(in))) {
+Replay::Replay(const rosbag::Bag& in, const RecordingSurvey& survey, rosbag::Bag& out,
+               const ParamReader& config, const ReplaySettings& settings)
+    : is_live_(settings.live),
+      arrivals_(survey.arrivals),
+      output_(out, summary_),
+      transforms_(in, is_live_ ? KnownTransforms::up_to_time : KnownTransforms::one_further),
+      fusion_(fusionSectionOf(config, settings), "fusion") {
+  for (const auto& [sensor, part] : topicPartsOf(survey.sensors)) {
     addTracker(sensor, sensor, "/sensors/" + part,
                sectionOf(config, "local_tracker", "estimator", settings.estimator));
     if (part != sensor) summary_.topics[sensor] = "/sensors/" + part;
@@ -100,25 +117,32 @@ void Replay::addTracker(const std::string& sensor, const std::string& name, cons
   trackers_.emplace(sensor, std::move(tracker));
 }
 
-RecordedScans Replay::recordedScans() {
+RecordedOrder Replay::orderOfScans() const {
   double max_lag = 0.0, max_future = 0.0;  // [s]
   for (const auto& [sensor, tracker] : trackers_) {
     max_lag = std::max(max_lag, tracker.component.maxLag());
     max_future = std::max(max_future, tracker.component.maxFuture());
   }
-  return {max_lag, max_future, summary_};
+  return is_live_ ? liveOrder(max_lag, max_future) : orderInHindsight(max_lag, max_future, arrivals_);
 }
 
 ReplaySummary Replay::run(const rosbag::Bag& in) {
-  RecordedScans scans = recordedScans();
+  RecordedScans scans(orderOfScans(), summary_);
   rosbag::View view(in);
   for (const rosbag::MessageInstance& message : view) {
     output_.copy(message);
     if (!message.isType<SightingArray>()) continue;
-    follow(scans.take(message.instantiate<SightingArray>(), message.getTime()));
+    const auto scan = message.instantiate<SightingArray>();
+    topics_[scan->sensor] = message.getTopic();
+    follow(scans.take(scan, message.getTime()));
   }
-  follow(scans.finish());
+  for (DueScans due = scans.finish();; due = scans.finish()) {
+    follow(due);
+    if (!due.restart) break;
+  }
   sendOverdueTracklets(core::Time::max());
+  summary_.findings = examination_.findings(
+      transforms_.buffer(), trackers_.at(kAllSensors).component.trackingFrame(), InputLimits{});
   return summary_;
 }
 
@@ -139,8 +163,11 @@ void Replay::startAnew(core::Time time) {
 void Replay::follow(const SightingArray::ConstPtr& scan) {
   sendOverdueTracklets(toCore(scan->header.stamp));
   Tracker& of_sensor = trackers_.at(scan->sensor);
+  Tracker& of_all = trackers_.at(kAllSensors);
+  examination_.take(*scan, topics_[scan->sensor], "", core::Time{});
   fuse(of_sensor, track(of_sensor, scan));
-  track(trackers_.at(kAllSensors), scan);
+  track(of_all, scan);
+  examination_.turn(transforms_.buffer(), of_all.component.trackingFrame());
 }
 
 std::vector<TrackerReport> Replay::track(Tracker& tracker, const SightingArray::ConstPtr& scan) {
@@ -150,7 +177,11 @@ std::vector<TrackerReport> Replay::track(Tracker& tracker, const SightingArray::
   transforms_.advanceTo(end_of_wait);
   std::vector<TrackerReport> reports = tracker.component.onScan(scan, stamp);
   for (auto& report : tracker.component.onTransforms(end_of_wait)) reports.push_back(std::move(report));
-  for (const auto& report : reports) output_.write(report, tracker.component.name(), tracker.topics);
+  for (const auto& report : reports) {
+    output_.write(report, tracker.component.name(), tracker.topics);
+    examination_.take(*report.associations, tracker.topics.associations);
+    if (report.tracks) examination_.take(*report.tracks, tracker.topics.tracks);
+  }
   return reports;
 }
 
@@ -160,7 +191,8 @@ void Replay::fuse(const Tracker& tracker, const std::vector<TrackerReport>& repo
     if (!report.tracks) continue;
     const FusionResult fused = fusion_.onTracks(*report.tracks, tracker.topics.tracks, core::Time{});
     output_.write(fused, report.tracks->header.stamp);
-    if (!fused.refusal.empty()) ++summary_.drops[fusion_.name() + ": " + kindOf(fused.refusal)];
+    noteRefusal(fused.refusal);
+    noteLeftOut(*fused.report);
   }
 }
 
@@ -175,26 +207,50 @@ void Replay::sendOverdueTracklets(core::Time now) {
 }
 
 void Replay::sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets) {
-  const std::string refusal = fusion_.onTracklets(tracklets, tracker.topics.tracklets, core::Time{});
-  if (!refusal.empty()) ++summary_.drops[fusion_.name() + ": " + kindOf(refusal)];
+  noteRefusal(fusion_.onTracklets(tracklets, tracker.topics.tracklets, core::Time{}));
+}
+
+void Replay::noteRefusal(const std::string& refusal) {
+  if (refusal.empty()) return;
+  const auto [kind, detail] = partsOf(refusal);
+  summary_.noteDrop(fusion_.name() + ": " + kind, detail);
+}
+
+/// Local tracks that found no room in the fusion.
+void Replay::noteLeftOut(const sightline::FusionReport& report) {
+  for (const sightline::SourceTrack& track : report.left_out) {
+    if (track.reason.compare(0, 6, "limit:") != 0) continue;
+    summary_.noteDrop(fusion_.name() + ": local tracks left out, limit", partsOf(track.reason).second);
+  }
 }
 
 }  // namespace
 
+void ReplaySummary::noteDrop(const std::string& reason, const std::string& example, std::size_t count) {
+  drops[reason] += count;
+  if (!example.empty()) examples.try_emplace(reason, example);
+}
+
+std::string exampleOf(const SightingArray& scan, const std::string& detail) {
+  if (detail.empty()) return "";
+  std::ostringstream words;
+  words << "of " << scan.sensor << " at " << std::fixed << std::setprecision(3) << scan.header.stamp.toSec()
+        << " s in frame \"" << scan.header.frame_id << "\": " << detail;
+  return words.str();
+}
+
 ReplaySummary replay(const std::string& in_file, const std::string& out_file,
                      const ReplaySettings& settings) {
-  if (std::filesystem::weakly_canonical(in_file) == std::filesystem::weakly_canonical(out_file)) {
-    throw std::runtime_error(in_file + " cannot be read and written at once: name another output");
-  }
   const auto in = openBag(in_file);
-  BagWriter out(out_file);
   const ParamReader config = configurationOf(settings);
-  Replay replay(*in, *out, config, settings);
-  config.finish();
-  const ReplaySummary summary = replay.run(*in);
-  if (summary.scans == 0)
-    throw std::runtime_error(in_file + ": there is no sightline/SightingArray message in it");
-  out.finish();
+  ReplaySummary summary;
+  writeBag(out_file, {in_file, settings.config}, [&](rosbag::Bag& out) {
+    Replay replay(*in, surveyOf(*in), out, config, settings);
+    config.finish();
+    summary = replay.run(*in);
+    if (summary.scans == 0)
+      throw std::runtime_error(in_file + ": there is no sightline/SightingArray message in it");
+  });
   return summary;
 }
 

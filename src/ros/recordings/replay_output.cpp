@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sightline/ros/components/local_tracker_health.h"
+
 namespace sightline_ros {
 namespace {
 
@@ -32,10 +34,14 @@ void ReplayOutput::write(const TrackerReport& report, const std::string& tracker
                          const TrackerTopics& topics) {
   out_.write(topics.associations, bagTime(report.scan->header.stamp), report.associations);
   if (!report.tracks) {
-    ++summary_.drops[tracker + ": scan dropped, " + report.refusal->kind];
+    summary_.noteDrop(tracker + ": scan dropped, " + report.refusal->kind,
+                      exampleOf(*report.scan, report.refusal->detail));
     return;
   }
-  if (report.rejected > 0) summary_.drops[tracker + ": sightings rejected"] += report.rejected;
+  if (report.rejected > 0) {
+    summary_.noteDrop(tracker + ": sightings rejected",
+                      exampleOf(*report.scan, firstRejection(*report.associations)), report.rejected);
+  }
   if (report.tracklets) write(*report.tracklets, topics);
   write(*report.tracks, topics.tracks);
 }

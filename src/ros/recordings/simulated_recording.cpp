@@ -27,11 +27,10 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLead = 0.1;  // that the first transform comes before time zero [s]
 
-void writeTransforms(rosbag::Bag& bag, const std::string& topic, const ros::Time& time,
-                     std::vector<geometry_msgs::TransformStamped> transforms) {
+tf2_msgs::TFMessage messageOf(std::vector<geometry_msgs::TransformStamped> transforms) {
   tf2_msgs::TFMessage message;
   message.transforms = std::move(transforms);
-  bag.write(topic, time, message);
+  return message;
 }
 
 /// One recording under way.
@@ -109,14 +108,15 @@ void Simulation::writeStaticTransforms() {
   if (isFixed(scenario_.platform)) transforms = platformTransforms(scenario_, 0.0, time);
   for (const core::SimulatedSensor& sensor : scenario_.sensors)
     transforms.push_back(mountTransform(sensor, time));
-  writeTransforms(bag_, "/tf_static", time, std::move(transforms));
+  // Latched, as a broadcaster's: a tracker that starts after the player must hear of them.
+  bag_.write("/tf_static", time, messageOf(std::move(transforms)), latchedHeader<tf2_msgs::TFMessage>());
 }
 
 void Simulation::writeBeat(long beat) {
   const ros::Time stamp = toRos(timeOf(beat));
   const double time = static_cast<double>(beat) / params_.rate;
   if (!isFixed(scenario_.platform))
-    writeTransforms(bag_, "/tf", stamp, platformTransforms(scenario_, time, stamp));
+    bag_.write("/tf", stamp, messageOf(platformTransforms(scenario_, time, stamp)));
   if (beat < 0) return;
   bag_.write("/truth", stamp, truthMessage(scenario_, time, stamp));
   ++summary_.truths;

@@ -283,6 +283,44 @@ TEST_F(TrackerComponent, WhatTheDoctorWouldSayOfASensorIsInTheDiagnosticsEveryTe
   EXPECT_EQ(valueOf(right, "input of eye"), "(absent)");
 }
 
+TEST_F(TrackerComponent, SightingsThatStartTracksInVainAreWarnedOfUntilOneIsConfirmed) {
+  LocalTrackerHealth health(2.0);
+  const auto note = [&](int k, std::uint8_t status) {  // of a target that is another one at each scan
+    const auto id = static_cast<std::uint32_t>(k + 1);
+    TrackerReport report;
+    report.scan = scanAt(10.0 + k, {0.01 * k});
+    report.associations = boost::make_shared<sightline::AssociationArray>();
+    report.associations->header.stamp = report.scan->header.stamp;
+    report.associations->sensor = "eye";
+    report.associations->associations.resize(1);
+    report.associations->associations[0].decision = sightline::Association::STARTED_TRACK;
+    report.associations->associations[0].track = id;
+    report.tracks = boost::make_shared<sightline::TrackArray>();
+    report.tracks->header.stamp = report.scan->header.stamp;
+    report.tracks->tracks.resize(1);
+    sightline::Track& track = report.tracks->tracks[0];
+    track.id = id;
+    track.status = status;
+    track.hits = 1;
+    track.azimuth = 0.01 * k;
+    track.covariance[0] = track.covariance[5] = 1e-6;
+    health.note(report);
+  };
+  diagnostic_updater::DiagnosticStatusWrapper in_vain, confirmed;
+  for (int k = 0; k < 30; ++k) note(k, sightline::Track::TENTATIVE);
+  health.diagnose(at(40.0), 0, in_vain);
+  EXPECT_EQ(
+      valueOf(in_vain, "track starts of eye").find("30 of 30 sightings started a track, none was confirmed"),
+      0u)
+      << valueOf(in_vain, "track starts of eye");
+  EXPECT_EQ(in_vain.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(in_vain.message.find("none was confirmed"), std::string::npos) << in_vain.message;
+  note(30, sightline::Track::CONFIRMED);
+  health.diagnose(at(41.0), 0, confirmed);
+  EXPECT_EQ(valueOf(confirmed, "track starts of eye"), "(absent)");
+  EXPECT_EQ(confirmed.level, diagnostic_msgs::DiagnosticStatus::OK) << confirmed.message;
+}
+
 TEST_F(TrackerComponent, LatencyIsNotMadeUpWithoutAClock) {
   LocalTrackerHealth health(2.0);
   health.noteArrival(*scanAt(10.0, {}), core::Time{});

@@ -46,12 +46,12 @@ class Examination : public testing::Test {
 
   static std::string topicOf(const std::string& sensor) { return "/sensors/" + sensor + "/sightings"; }
 
-  std::vector<Finding> findings() const {
+  std::vector<Finding> findings() {
     return examination_.findings(transforms_, "platform_enu", InputLimits{});
   }
 
   /// Everything that is said, a line for each finding.
-  std::string said() const {
+  std::string said() {
     std::string lines;
     for (const Finding& finding : findings()) lines += finding.subject + ": " + finding.words + "\n";
     return lines;
@@ -187,7 +187,7 @@ TEST_F(Examination, CovarianceTooSmallAmongSeveralTargetsIsFoundAlongTheTracks) 
     examination_.take(scan, topicOf("bad"), "/driver", core::Time(core::durationOf(time + kLatency)));
     associations.header.stamp = scan.header.stamp;
     associations.associations[0].sighting = 1;
-    examination_.take(associations, "/tracks");
+    examination_.take(associations, "/a/associations");
   }
   ASSERT_EQ(findings().size(), 1u) << said();
   EXPECT_NE(said().find("covariance is too small: it states a sigma of 0.0002 rad"), std::string::npos)
@@ -230,12 +230,38 @@ TEST_F(Examination, InnovationsLargerThanATrackerExpects) {
   associations.associations.resize(1);
   associations.associations[0].decision = sightline::Association::ACCEPTED;
   associations.associations[0].distance_squared = 1.4;
-  for (int k = 0; k < 100; ++k) examination_.take(associations, "/tracks");
+  for (int k = 0; k < 100; ++k) examination_.take(associations, "/a/associations");
   EXPECT_EQ(said(), "");
   associations.associations[0].distance_squared = 12.0;
-  for (int k = 0; k < 300; ++k) examination_.take(associations, "/tracks");
+  for (int k = 0; k < 300; ++k) examination_.take(associations, "/a/associations");
   EXPECT_NE(said().find("its innovations are 2.94 times what the tracker expects"), std::string::npos)
       << said();
+}
+
+TEST_F(Examination, TracksThatAreNeverConfirmedAreOfTheSensorThatStartsThem) {
+  look("a");
+  for (std::uint32_t id = 1; id <= 20; ++id) {
+    sightline::AssociationArray associations;
+    associations.header.stamp = ros::Time(kStart + id);
+    associations.sensor = "a";
+    associations.associations.resize(1);
+    associations.associations[0].decision = sightline::Association::STARTED_TRACK;
+    associations.associations[0].track = id;
+    sightline::TrackArray tracks;
+    tracks.header.stamp = associations.header.stamp;
+    tracks.tracks.resize(1);
+    tracks.tracks[0].id = id;
+    tracks.tracks[0].hits = 1;
+    tracks.tracks[0].azimuth = 0.01 * id;
+    tracks.tracks[0].covariance[0] = tracks.tracks[0].covariance[5] = 1e-6;
+    for (const char* tracker : {"/sensors/a", "/sensor_fusion"}) {
+      examination_.take(associations, std::string(tracker) + "/associations");
+      examination_.take(tracks, std::string(tracker) + "/tracks");
+    }
+  }
+  ASSERT_EQ(findings().size(), 1u) << said();
+  EXPECT_FALSE(findings()[0].is_note);
+  EXPECT_EQ(said().find("a: 20 of 20 sightings started a track, none was confirmed"), 0u) << said();
 }
 
 TEST_F(Examination, NoFrame) {
@@ -291,11 +317,13 @@ TEST_F(Examination, DegreesThatPassForRadiansAreFoundBesideTheOthers) {
 TEST_F(Examination, AzimuthsThatCountClockwise) {
   EXPECT_TRUE(saysOfTheThird([](int, SightingArray& scan, double&) { scan.sightings[0].azimuth *= -1.0; },
                              {"from anything that the other sensors see", "other sign"}));
+  EXPECT_FALSE(findings().at(0).is_note);
 }
 
 TEST_F(Examination, ASensorThatLooksElsewhere) {
   EXPECT_TRUE(saysOfTheThird([](int, SightingArray& scan, double&) { scan.sightings[0].azimuth += 2.5; },
                              {"from anything that the other sensors see", "look elsewhere"}));
+  EXPECT_TRUE(findings().at(0).is_note) << "it may be meant to";
 }
 
 TEST_F(Examination, OneNameOnTwoTopics) {

@@ -9,6 +9,7 @@
 #include <rosbag/view.h>
 #include <std_msgs/String.h>
 
+#include "support/file_size_limit.h"
 #include "support/scratch_folder.h"
 
 using namespace sightline_ros;
@@ -51,6 +52,44 @@ TEST(Bags, AWriterPutsTheFileInPlaceOnlyWhenItIsFinished) {
 TEST(Bags, AFileThatCannotBeWrittenIsRefusedByName) {
   const std::string file = "/no/such/folder/out.bag";
   EXPECT_EQ(complaintOf([&] { BagWriter writer(file); }).find(file + ": cannot be written"), 0u);
+}
+
+/// Ten megabytes, which do not stay in buffers.
+void writeMuch(rosbag::Bag& bag) {
+  std_msgs::String text;
+  text.data.assign(100000, 'x');
+  for (int i = 1; i <= 100; ++i) bag.write("/text", ros::Time(i), text);
+}
+
+TEST(Bags, AFullDiskIsAnErrorWithTheReasonAndLeavesNothing) {
+  for (const rlim_t limit : {1000, 6000000}) {  // at once, and in the midst of it
+    const ScratchFolder folder;
+    const std::string file = folder.file("out.bag");
+    const std::string said = complaintOf([&] {
+      const FileSizeLimit full(limit);
+      writeBag(file, {}, writeMuch);
+    });
+    EXPECT_EQ(said, file + ": cannot be written: File too large");
+    EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(file).parent_path()));
+  }
+  EXPECT_EQ(complaintOf([] { writeBag("/dev/full", {}, writeMuch); }),
+            "/dev/full: cannot be written: No space left on device");
+}
+
+TEST(Bags, AnInputIsNotOverwritten) {
+  const ScratchFolder folder;
+  const std::string input = folder.write("in.csv", "data");
+  EXPECT_EQ(complaintOf([&] { writeBag(input, {input}, writeMuch); }),
+            input + " cannot be read and written at once: name another output");
+  EXPECT_EQ(std::filesystem::file_size(input), 4u);
+}
+
+TEST(Bags, WhatTheFillerThrowsIsPassedOnAndNothingIsLeft) {
+  const ScratchFolder folder;
+  const std::string file = folder.file("out.bag");
+  EXPECT_EQ(complaintOf([&] { writeBag(file, {}, [](rosbag::Bag&) { throw std::runtime_error("no"); }); }),
+            "no");
+  EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(file).parent_path()));
 }
 
 TEST(Bags, TopicPartsAreLettersDigitsAndUnderscores) {

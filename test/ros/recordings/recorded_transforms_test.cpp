@@ -47,7 +47,7 @@ class RecordedTransformsTest : public testing::Test {
 };
 
 TEST_F(RecordedTransformsTest, AreAvailableUpToTheTimeAndInterpolated) {
-  RecordedTransforms transforms(bag_);
+  RecordedTransforms transforms(bag_, KnownTransforms::up_to_time);
   EXPECT_FALSE(transforms.buffer().canTransform("world", "eye", ros::Time(100.0)));
   transforms.advanceTo(toCore(ros::Time(100.2)));
   EXPECT_NEAR(xOf(transforms, "eye", 100.15), 1.5, 1e-6);
@@ -63,8 +63,20 @@ TEST_F(RecordedTransformsTest, FixedOnesAreAlwaysAvailable) {
   EXPECT_EQ(xOf(transforms, "mast", 5000.0), 7.0);
 }
 
-TEST_F(RecordedTransformsTest, RewoundTheyBeginAgain) {
+TEST_F(RecordedTransformsTest, OneFurtherThereIsOneAfterEveryTime) {
   RecordedTransforms transforms(bag_);
+  transforms.advanceTo(toCore(ros::Time(100.15)));
+  EXPECT_NEAR(xOf(transforms, "eye", 100.15), 1.5, 1e-6);
+  EXPECT_FALSE(transforms.buffer().canTransform("world", "eye", ros::Time(100.25))) << "two further";
+  EXPECT_FALSE(transforms.buffer().canTransform("world", "eye", ros::Time(99.9))) << "never extrapolated";
+  transforms.advanceTo(toCore(ros::Time(100.25)));
+  EXPECT_NEAR(xOf(transforms, "eye", 100.25), 2.5, 1e-6);
+  transforms.advanceTo(toCore(ros::Time(100.35)));
+  EXPECT_FALSE(transforms.buffer().canTransform("world", "eye", ros::Time(100.35))) << "never extrapolated";
+}
+
+TEST_F(RecordedTransformsTest, RewoundTheyBeginAgain) {
+  RecordedTransforms transforms(bag_, KnownTransforms::up_to_time);
   transforms.advanceTo(core::Time::max());
   transforms.rewind();
   EXPECT_FALSE(transforms.buffer().canTransform("world", "eye", ros::Time(100.1)));

@@ -23,6 +23,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "sightline/ros/params/param_reader.h"
+#include "sightline/ros/recordings/bags.h"
 
 #include "support/scratch_folder.h"
 
@@ -187,7 +188,34 @@ TEST_F(Replay, OrderOfArrivalWithinTheLagDoesNotChangeABit) {
   }
 }
 
-TEST_F(Replay, ScanLaterThanTheLagIsDroppedAndCounted) {
+TEST_F(Replay, NothingIsLateUnlessItIsToBeAsLive) {
+  // One sensor is recorded 0.7 s after its stamps, and the platform's attitude comes once a second.
+  {
+    rosbag::Bag bag(file("in.bag"), rosbag::bagmode::Write);
+    for (const auto& scan : twoSensors())
+      bag.write("/" + scan.sensor, scan.header.stamp + ros::Duration(scan.sensor == "left" ? 0.7 : 0.0),
+                scan);
+    for (int i = 5; i < 360; i += 50)
+      bag.write("/tf", ros::Time(kStart + 0.02 * i), turningFrames().at(static_cast<std::size_t>(i)));
+  }
+  const ReplaySummary summary = replay(file("in.bag"), file("out.bag"), {});
+  EXPECT_TRUE(summary.drops.empty()) << summary.drops.begin()->first;
+  EXPECT_TRUE(summary.notices.empty());
+  for (const char* sensor : {"left", "right"})
+    EXPECT_EQ(countOf(file("out.bag"), std::string("/sensors/") + sensor + "/tracks"), 200u);
+
+  ReplaySettings live;
+  live.live = true;
+  const ReplaySummary as_live = replay(file("in.bag"), file("live.bag"), live);
+  EXPECT_GT(as_live.drops.at("recording: scan dropped, later than max_lag"), 150u);
+  EXPECT_GT(as_live.drops.at("right: scan dropped, no transform"), 70u);
+  EXPECT_NE(as_live.examples.at("right: scan dropped, no transform")
+                .find("in frame \"right\": no transform from right"),
+            std::string::npos)
+      << as_live.examples.at("right: scan dropped, no transform");
+}
+
+TEST_F(Replay, ScanLaterThanTheLagIsDroppedAsLiveAndUsedOtherwise) {
   {
     rosbag::Bag bag(file("in.bag"), rosbag::bagmode::Write);
     auto late = scanOf("eye", 10.0, 0.1);
@@ -197,9 +225,13 @@ TEST_F(Replay, ScanLaterThanTheLagIsDroppedAndCounted) {
     bag.write("/eye", ros::Time(10.6), newer);
     bag.write("/eye", ros::Time(10.7), late);
   }
-  const auto summary = replay(file("in.bag"), file("out.bag"), {});
+  ReplaySettings live;
+  live.live = true;
+  const auto summary = replay(file("in.bag"), file("out.bag"), live);
   EXPECT_EQ(summary.drops.at("recording: scan dropped, later than max_lag"), 1u);
   EXPECT_EQ(countOf(file("out.bag"), "/sensor_fusion/tracks"), 1u);
+  EXPECT_TRUE(replay(file("in.bag"), file("out.bag"), {}).drops.empty());
+  EXPECT_EQ(countOf(file("out.bag"), "/sensor_fusion/tracks"), 2u);
 }
 
 TEST_F(Replay, ScanThatNoTrackerCouldUseDoesNotDisturbTheOthers) {
@@ -215,6 +247,10 @@ TEST_F(Replay, ScanThatNoTrackerCouldUseDoesNotDisturbTheOthers) {
   }
   const auto summary = replay(file("in.bag"), file("out.bag"), {});
   EXPECT_EQ(summary.drops.at("eye: scan dropped, no transform"), 1u);
+  EXPECT_NE(summary.examples.at("eye: scan dropped, no transform").find("from nowhere to platform_enu"),
+            std::string::npos);
+  EXPECT_NE(summary.examples.at("eye: scan dropped, no transform").find("publish it on /tf"),
+            std::string::npos);
   EXPECT_EQ(summary.drops.at("recording: scan dropped, no stamp"), 1u);
   EXPECT_EQ(summary.drops.at("recording: scan dropped, stamped more than max_future after it was received"),
             1u);
@@ -320,7 +356,7 @@ TEST_F(Replay, FusedTrackKnowsWhatTheTrackerOverAllSensorsKnows) {
   const std::string stated = "{noise_calibration: {enabled: false}}";
   const std::string config =
       folder_.write("config.yaml", "local_tracker: " + stated + "\nsensor_fusion: " + stated + "\n");
-  replay(file("in.bag"), file("out.bag"), {config, "kalman", ""});
+  replay(file("in.bag"), file("out.bag"), {config, "kalman", "", false});
   EXPECT_EQ(countOf(file("out.bag"), "/sensors/left/tracklets"), 200u);
   EXPECT_EQ(countOf(file("out.bag"), "/sensor_fusion/tracklets"), 400u);
   rosbag::Bag bag(file("out.bag"));
@@ -367,12 +403,12 @@ TEST_F(Replay, ConfigurationAndEstimatorAreObeyed) {
       message = instance.instantiate<sightline::TrackArray>();
     return *message;
   };
-  replay(file("in.bag"), file("out.bag"), {config, "", ""});
+  replay(file("in.bag"), file("out.bag"), {config, "", "", false});
   EXPECT_EQ(newest("/sensors/left/tracks").estimator, "kalman");
   EXPECT_EQ(newest("/sensors/left/tracks").tracker, "left");
   EXPECT_EQ(newest("/sensor_fusion/tracks").tracker, "everything");
   EXPECT_EQ(newest("/fusion/tracks").estimator, "weighted_covariance");
-  replay(file("in.bag"), file("out.bag"), {config, "imm", "covariance_intersection"});
+  replay(file("in.bag"), file("out.bag"), {config, "imm", "covariance_intersection", false});
   EXPECT_EQ(newest("/sensors/left/tracks").estimator, "imm");
   EXPECT_EQ(newest("/sensor_fusion/tracks").estimator, "imm");
   EXPECT_EQ(newest("/fusion/tracks").estimator, "covariance_intersection");
@@ -389,11 +425,11 @@ TEST_F(Replay, WrongSettingsAreRefusedAndLeaveNothingBehind) {
     return std::string();
   };
   const std::string config = folder_.write("config.yaml", "local_traker: {estimator: kalman}\n");
-  EXPECT_NE(refusal(file("in.bag"), file("out.bag"), {config, "", ""}).find("did you mean"),
+  EXPECT_NE(refusal(file("in.bag"), file("out.bag"), {config, "", "", false}).find("did you mean"),
             std::string::npos);
-  EXPECT_NE(refusal(file("in.bag"), file("out.bag"), {"", "kallman", ""}).find("expected one of"),
+  EXPECT_NE(refusal(file("in.bag"), file("out.bag"), {"", "kallman", "", false}).find("expected one of"),
             std::string::npos);
-  EXPECT_NE(refusal(file("in.bag"), file("out.bag"), {"", "", "magic"}).find("expected one of"),
+  EXPECT_NE(refusal(file("in.bag"), file("out.bag"), {"", "", "magic", false}).find("expected one of"),
             std::string::npos);
   EXPECT_NE(refusal(file("in.bag"), file("in.bag"), {}).find("read and written at once"), std::string::npos);
   EXPECT_NE(refusal(file("absent.bag"), file("out.bag"), {}).find("no such file"), std::string::npos);
@@ -407,6 +443,39 @@ TEST_F(Replay, WrongSettingsAreRefusedAndLeaveNothingBehind) {
             std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(file("out.bag")));
   EXPECT_FALSE(std::filesystem::exists(file("out.bag.unfinished")));
+}
+
+TEST_F(Replay, LatchedTopicsStayLatched) {
+  record(file("in.bag"), 0.0, 1);
+  {
+    rosbag::Bag bag(file("in.bag"), rosbag::bagmode::Append);
+    bag.write("/tf_static", ros::Time(kStart), turningFrames()[0],
+              sightline_ros::latchedHeader<tf2_msgs::TFMessage>());
+  }
+  replay(file("in.bag"), file("out.bag"), {});
+  rosbag::Bag bag(file("out.bag"));
+  rosbag::View view(bag, rosbag::TopicQuery("/tf_static"));
+  ASSERT_EQ(view.size(), 1u);
+  EXPECT_TRUE(view.begin()->isLatching());
+}
+
+TEST_F(Replay, WhatHasNoRoomIsCountedWithTheParametersName) {
+  {
+    rosbag::Bag bag(file("in.bag"), rosbag::bagmode::Write);
+    for (int k = 0; k < 40; ++k) {
+      auto scan = scanOf("eye", 10.0 + 0.05 * k, -1.0);
+      scan.header.frame_id = "platform_enu";
+      for (int i = 1; i < 6; ++i) scan.sightings.push_back(scanOf("eye", 0.0, -1.0 + 0.3 * i).sightings[0]);
+      bag.write("/eye", scan.header.stamp, scan);
+    }
+  }
+  const std::string config = folder_.write("config.yaml",
+                                           "track_fusion: {max_tracks: 4}\n"
+                                           "sensor_fusion: {max_tracks: 5}\n");
+  const ReplaySummary summary = replay(file("in.bag"), file("out.bag"), {config, "", "", false});
+  EXPECT_NE(summary.examples.at("fusion: local tracks left out, limit").find("max_tracks"),
+            std::string::npos);
+  EXPECT_NE(summary.examples.at("sensor_fusion: sightings rejected").find("max_tracks 5"), std::string::npos);
 }
 
 TEST_F(Replay, SensorWhoseNameIsNoTopicIsGivenOne) {

@@ -88,6 +88,13 @@ TEST_F(SimulatedRecording, ScansAreThoseOfTheSimulatorsInTheOrderOfPublication) 
   EXPECT_EQ(all<sightline::TrackArray>("/truth").size(), 301U);
 }
 
+TEST_F(SimulatedRecording, FixedTransformsAreLatchedForTrackersThatStartLater) {
+  record(shipped("two_targets_clutter", 0.5));
+  rosbag::View view(*bag_, rosbag::TopicQuery("/tf_static"));
+  ASSERT_EQ(view.size(), 1u);
+  EXPECT_TRUE(view.begin()->isLatching());
+}
+
 TEST_F(SimulatedRecording, EveryScanOfAMovingPlatformHasItsTransform) {
   const core::Scenario scenario = shipped("fast_turn", 2.0);
   record(scenario);

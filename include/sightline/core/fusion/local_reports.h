@@ -44,8 +44,8 @@ struct LocalReportsParams {
   double max_age = 1.0;        ///< beyond, a report does not count any more [s], > 0; at least three of its
                                ///< tracker's usual intervals
   double forget_after = 10.0;  ///< silence after which a tracker is forgotten [s], >= max_age
-  int max_trackers = 32;       ///< reports of further trackers are refused, >= 1
-  int max_tracks = 256;        ///< of one report; the rest is left out, >= 1
+  int max_trackers = 128;      ///< reports of further trackers are refused, >= 1
+  int max_tracks = 1000;       ///< of one report; the rest is left out, >= 1
 };
 
 /// The newest report of every local tracker, kept straight through late messages and restarts.

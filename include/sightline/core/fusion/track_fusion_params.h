@@ -32,7 +32,7 @@ struct TrackFusionParams {
   double remember =
       5.0;  ///< ... and a local track that it had and that returns under its id, for so long [s]
   bool allow_shared_sensors = false;  ///< fuse local tracks that list a sensor in common as if they did not
-  int max_tracks = 256;               ///< no global track is started beyond, >= 1
+  int max_tracks = 1000;              ///< no global track is started beyond, >= 1
   LocalReportsParams reports;
   TrackletFusionParams tracklets;
 };

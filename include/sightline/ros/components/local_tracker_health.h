@@ -14,9 +14,13 @@
 #include "sightline/core/sensors/recent_values.h"
 #include "sightline/ros/components/local_tracker_component.h"
 #include "sightline/ros/diagnosis/sensor_record.h"
+#include "sightline/ros/diagnosis/track_starts.h"
 #include "sightline/ros/params/param_reader.h"
 
 namespace sightline_ros {
+
+/// The first reason that an association gives for rejecting a sighting; empty when none is rejected.
+std::string firstRejection(const sightline::AssociationArray& associations);
 
 /// What is reported to an operator about a local tracker: rates and latencies by sensor, drops by reason, age
 /// of the last sighting, tracks by status. Times are the clock's, handed in.
@@ -49,6 +53,8 @@ class LocalTrackerHealth {
   /// the tracker thinks of its sensors; one that is not healthy is a warning. `calibrated`: what it has
   /// learnt of their noise; one that is much rougher than it states is a warning. `stamps`: how theirs stand
   /// to the others'; one that does not agree is a warning. `detection`: what it has learnt of how they see.
+  /// A sensor whose sightings start tracks that are never confirmed is a warning, unless they lie about as
+  /// false ones do.
   void diagnose(sightline::core::Time now, std::size_t waiting,
                 diagnostic_updater::DiagnosticStatusWrapper& status,
                 const std::vector<sightline::core::WatchedSensor>& watched = {},
@@ -63,10 +69,11 @@ class LocalTrackerHealth {
     std::uint64_t scans_before = 0;  // at the last diagnosis
     sightline::core::Time last_scan{};
     sightline::core::Time last_sighting{};
-    std::map<std::string, std::uint64_t> drops;  // scans, by reason
-    sightline::core::RecentValues latency;       // from stamp to arrival
-    SensorRecord record;                         // of the last seconds
-    std::vector<Finding> findings;               // of the seconds before
+    std::map<std::string, std::uint64_t> drops;     // scans, by reason
+    std::map<std::string, std::string> last_drops;  // likewise, the last one's frame, values and remedy
+    sightline::core::RecentValues latency;          // from stamp to arrival
+    SensorRecord record;                            // of the last seconds
+    std::vector<Finding> findings;                  // of the seconds before
   };
   struct Counted {
     std::uint64_t count = 0;
@@ -76,6 +83,7 @@ class LocalTrackerHealth {
   };
 
   void examine(sightline::core::Time now);
+  void addStarts(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void addSensor(const std::string& name, const Sensor& sensor, sightline::core::Time now, double elapsed,
                  diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void summarize(sightline::core::Time now, diagnostic_updater::DiagnosticStatusWrapper& status) const;
@@ -84,6 +92,7 @@ class LocalTrackerHealth {
   double silence_;
   InputLimits limits_;
   std::map<std::string, Sensor> sensors_;
+  TrackStarts starts_;
   std::map<std::string, bool> wrong_clocks_;  // by sensor, as last logged
   std::map<std::string, Counted> changes_;    // by sensor
   std::map<std::string, Counted> drops_;      // by reason; rejected sightings are one of them

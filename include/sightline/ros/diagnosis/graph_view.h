@@ -35,6 +35,9 @@ std::set<std::string> fusionsOf(const GraphView& graph);
 /// Whether somebody publishes the topic.
 bool isPublished(const GraphView& graph, const std::string& topic);
 
+/// That there are no scans at all.
+Finding missingSightings();
+
 /// What is wrong with the subscriptions: trackers and fusions that subscribe to topics that nobody publishes,
 /// sensors to which no tracker subscribes, trackers whose sensors are in no fusion.
 std::vector<Finding> findingsOf(const GraphView& graph);

@@ -11,6 +11,13 @@
 
 namespace sightline_ros {
 
+/// Which transforms of a recording are known at a time.
+enum class KnownTransforms {
+  up_to_time,   ///< those stamped up to it, as a live tracker knows them
+  one_further,  ///< and of each frame the next one, however much later: for whatever time there is one before
+                ///< and one after, no more than `kReach` apart
+};
+
 /// The transforms of a recording (/tf and /tf_static), put into a buffer as time advances. All are read at
 /// the beginning and ordered by their stamps, so the result does not depend on when they arrived.
 class RecordedTransforms {
@@ -18,9 +25,9 @@ class RecordedTransforms {
   /// How far lookups may go behind the time that was advanced to [s].
   static constexpr double kReach = 60.0;
 
-  explicit RecordedTransforms(const rosbag::Bag& bag);
+  explicit RecordedTransforms(const rosbag::Bag& bag, KnownTransforms known = KnownTransforms::one_further);
 
-  /// Makes the transforms stamped up to `time` available.
+  /// Makes the transforms that are known at `time` available.
   void advanceTo(sightline::core::Time time);
 
   /// Starts before the first again: for a recording whose stamps go back.
@@ -29,9 +36,14 @@ class RecordedTransforms {
   const tf2::BufferCore& buffer() const { return buffer_; }
 
  private:
+  struct Moving {
+    sightline::core::Time due{};  // when it becomes known
+    geometry_msgs::TransformStamped transform;
+  };
+
   tf2::BufferCore buffer_;
   std::vector<geometry_msgs::TransformStamped> fixed_;
-  std::vector<geometry_msgs::TransformStamped> moving_;  // by stamp
+  std::vector<Moving> moving_;  // by `due`
   std::size_t next_ = 0;
 };
 

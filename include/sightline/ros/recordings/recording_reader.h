@@ -3,9 +3,11 @@
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <stdexcept>
 #include <string>
 
 #include <rosbag/bag.h>
+#include <rosbag/message_instance.h>
 #include <sightline/AssociationArray.h>
 
 #include "sightline/core/evaluation/track_report.h"
@@ -32,11 +34,26 @@ class RecordingReader {
   /// Messages that the last `read` left out, by topic and reason.
   const std::map<std::string, std::size_t>& leftOut() const { return left_out_; }
 
+  /// Likewise, the first one with its values and the remedy.
+  const std::map<std::string, std::string>& examples() const { return examples_; }
+
  private:
   const rosbag::Bag& bag_;
   FrameChangeParams frames_;
   std::map<std::string, std::size_t> left_out_;
+  std::map<std::string, std::string> examples_;
 };
+
+/// The message. Throws std::runtime_error when it was recorded with another definition of its type.
+template <typename Message>
+typename Message::ConstPtr messageOf(const rosbag::MessageInstance& instance) {
+  typename Message::ConstPtr message = instance.instantiate<Message>();
+  if (!message) {
+    throw std::runtime_error(instance.getTopic() + " was recorded with another definition of " +
+                             instance.getDataType());
+  }
+  return message;
+}
 
 /// Frame of the first TrackArray of the bag; that of FrameChangeParams when there is none.
 std::string trackingFrameOf(const rosbag::Bag& bag);

@@ -16,8 +16,8 @@
 namespace sightline::core {
 
 struct TrackletMemoryParams {
-  double age = 2.0;       ///< tracklets are remembered for so long [s], > 0
-  int max_trackers = 32;  ///< reports of further trackers are refused, >= 1
+  double age = 2.0;        ///< tracklets are remembered for so long [s], > 0
+  int max_trackers = 128;  ///< reports of further trackers are refused, >= 1
 };
 
 /// The tracklets that the local trackers have reported lately, and what of them was lost on the way.
