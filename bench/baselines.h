@@ -39,6 +39,7 @@ class BaselineEstimator final : public core::Estimator {
   }
   void update(const core::Measurement& measurement) override;
   std::optional<core::AngularState> stateAt(core::Time time) const override;
+  bool knowsRates() const override { return true; }
   /// The baselines live in one chart: throws std::logic_error.
   void rotate(const Eigen::Matrix3d& R_new_old) override;
 

@@ -3,26 +3,34 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include <Eigen/LU>
 
 #include "sightline/core/association/assignment.h"
 #include "sightline/core/association/clusters.h"
 #include "sightline/core/association/joint_association.h"
+#include "sightline/core/estimators/rate_prior.h"
 
 namespace sightline::core {
 namespace {
 
 constexpr double kTwoPi = 6.28318530717958648;
-constexpr double kLeastMissed = 1e-12;     // probability: nothing is for certain
-constexpr double kLeastVisibility = 0.01;  // of what has been seen all the same
-constexpr double kLeastCosine = 0.1;       // of an elevation in a chart
-constexpr double kMostLogRatio = 40.0;     // what is beyond is as certain as can be
+constexpr double kLeastMissed = 1e-12;       // probability: nothing is for certain
+constexpr double kLeastVisibility = 0.01;    // of what has been seen all the same
+constexpr double kLeastCosine = 0.1;         // of an elevation in a chart
+constexpr double kLeastGainOfBranch = -5.0;  // ln of how much less likely than a miss a second look may be
+constexpr double kChanges = 0.1;             // of young targets, those that change their rates at each look
+constexpr double kMostLogRatio = 40.0;       // what is beyond is as certain as can be
 
 /// The sightings in the gates of the tracks.
 struct Candidates {
   std::vector<GatedPair> pairs;     // `track` is the place among the predictions
   std::vector<Association> record;  // for each, as it would be recorded
+  std::vector<GatedPair> changed;   // outside, but possible where the target has changed its rates
+  std::vector<Association> record_of_changed;
+  std::vector<GatedPair> unlikely;  // of targets seen once: less likely than that they were missed
 };
 
 /// ln(P_D N(innovation; 0, S) / clutter density). The chart's coordinates shrink with the cosine of its
@@ -46,7 +54,9 @@ bool isFarAway(const TrackPrediction& prediction, const Sighting& sighting, doub
       prediction.innovation_scale *
       (prediction.state.anglesCovariance().trace() + prediction.stamp_covariance.trace() +
        34.0 * std::max(largest_noise, 1.0) * sighting.covariance.trace());
-  const double reach = threshold * largest_variance + 2.0 * params.min_half_width * params.min_half_width;
+  const double change_variance = prediction.change_sigma * prediction.change_sigma;
+  const double reach = threshold * (largest_variance + 2.0 * change_variance) +
+                       2.0 * params.min_half_width * params.min_half_width;
   return (sighting.direction - prediction.direction).squaredNorm() > reach;
 }
 
@@ -78,14 +88,104 @@ Association comparison(const TrackPrediction& prediction, const Sighting& sighti
       threshold, is_inside);
 }
 
+double missWeight(const TrackPrediction& prediction) {  // (S-39)
+  return 1.0 - prediction.visibility * prediction.detection_probability;
+}
+
+/// The second look at a target: its rates are not known. What counts is the density of the mixture of all
+/// that they may be; the gate is where a pair is more likely than a miss and a false sighting, or not much
+/// less.
+// (S-92), (S-93)
+class SecondLook {
+ public:
+  SecondLook(const TrackPrediction& prediction, const Scan& scan, const GateParams& params,
+             double clutter_density, bool with_branches)
+      : prediction_(prediction) {
+    const double area_scale = std::max(std::cos(prediction.state.angles().y()), kLeastCosine);
+    log_clutter_ = std::log(clutter_density * area_scale);
+    least_ = log_clutter_ + std::log(missWeight(prediction) / prediction.detection_probability) +
+             (with_branches ? kLeastGainOfBranch : 0.0);
+    double largest_noise = 0.0;
+    for (const Sighting& sighting : scan.sightings)
+      largest_noise = std::max(largest_noise, sighting.covariance.trace());
+    const double farthest = rate_prior::reach(least_, prediction.only_sighting, 34.0 * largest_noise,
+                                              prediction.since_only_sighting);
+    reach_ = std::min(farthest, params.max_half_width);
+  }
+
+  /// The pair, if the sighting is in the gate.
+  std::optional<Association> pairWith(const Sighting& sighting, double& log_ratio) const {
+    if ((sighting.direction - prediction_.direction).squaredNorm() > reach_ * reach_) return std::nullopt;
+    const double h = prediction_.since_only_sighting;
+    const Eigen::Matrix2d R = prediction_.only_sighting + prediction_.noiseOf(sighting);
+    Association pair;
+    pair.track = prediction_.id;
+    pair.innovation =
+        angleDifference(prediction_.chart.coordinatesOf(sighting.direction), prediction_.state.angles());
+    const double log_density = rate_prior::logDensityOfOffset(pair.innovation, R, h);
+    if (!(log_density > least_)) return std::nullopt;
+    log_ratio = std::log(prediction_.detection_probability) + log_density - log_clutter_;
+    const double spread = rate_prior::sigma(pair.innovation, R, h) * h;
+    Gate gate;
+    gate.covariance = R + spread * spread * Eigen::Matrix2d::Identity();
+    pair.covariance = gate.covariance;
+    pair.distance_squared = distanceSquared(gate, pair.innovation);
+    return pair;
+  }
+
+ private:
+  const TrackPrediction& prediction_;
+  double log_clutter_ = 0.0;  // of false sightings in the chart [1/rad^2]
+  double least_ = 0.0;        // least density of a pair [ln 1/rad^2]
+  double reach_ = 0.0;        // chord beyond which it is less [1]
+};
+
+/// Goes over to the gate of a tentative track whose target has changed its rates since the last look, (S-94);
+/// false where that does not reach as far.
+bool widen(Association& pair, const TrackPrediction& prediction, const GateParams& params) {
+  if (!(prediction.change_sigma > 0.0)) return false;
+  Gate gate;
+  gate.covariance = pair.covariance;
+  gate.covariance.diagonal().array() += prediction.change_sigma * prediction.change_sigma;
+  pair.covariance = gate.covariance;
+  pair.distance_squared = distanceSquared(gate, pair.innovation);
+  return pair.distance_squared <= pair.threshold && pair.innovation.norm() <= params.max_half_width;
+}
+
+/// The pairs of a track whose target has been seen once.
+void addSecondLooks(const Scan& scan, int track, const TrackPrediction& prediction, const GateParams& params,
+                    double clutter_density, bool with_branches, std::vector<Association>& decisions,
+                    Candidates& candidates) {
+  const SecondLook look(prediction, scan, params, clutter_density, with_branches);
+  for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
+    double log_ratio = 0.0;
+    std::optional<Association> pair = look.pairWith(scan.sightings[j], log_ratio);
+    if (!pair) continue;
+    pair->sighting = static_cast<std::uint32_t>(j);
+    pair->threshold = gateThreshold(params);
+    if (log_ratio <= std::log(missWeight(prediction))) {
+      candidates.unlikely.push_back({track, static_cast<int>(j), log_ratio});
+      continue;
+    }
+    if (!(decisions[j].distance_squared <= pair->distance_squared)) decisions[j] = *pair;
+    candidates.pairs.push_back({track, static_cast<int>(j), log_ratio});
+    candidates.record.push_back(*std::move(pair));
+  }
+}
+
 /// All pairs inside a gate; `decisions` keeps for each sighting the nearest track, in its gate or not.
 Candidates candidatesOf(const Scan& scan, const std::vector<TrackPrediction>& predictions,
-                        const GateParams& params, double clutter_density,
+                        const GateParams& params, double clutter_density, bool with_branches,
                         std::vector<Association>& decisions) {
   const double threshold = gateThreshold(params);
   Candidates candidates;
   for (std::size_t i = 0; i < predictions.size(); ++i) {
     const TrackPrediction& prediction = predictions[i];
+    if (prediction.since_only_sighting > 0.0) {
+      addSecondLooks(scan, static_cast<int>(i), prediction, params, clutter_density, with_branches, decisions,
+                     candidates);
+      continue;
+    }
     for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
       const Sighting& sighting = scan.sightings[j];
       if (isFarAway(prediction, sighting, scan.noise_scale, params, threshold)) continue;
@@ -93,17 +193,18 @@ Candidates candidatesOf(const Scan& scan, const std::vector<TrackPrediction>& pr
       Association pair = comparison(prediction, sighting, scan.noise_scale, params, threshold, is_inside);
       pair.sighting = static_cast<std::uint32_t>(j);
       if (!(decisions[j].distance_squared <= pair.distance_squared)) decisions[j] = pair;
-      if (!is_inside) continue;
-      const double log_ratio = logRatio(prediction, pair, clutter_density);
-      candidates.pairs.push_back({static_cast<int>(i), static_cast<int>(j), log_ratio});
-      candidates.record.push_back(std::move(pair));
+      if (is_inside) {
+        const double log_ratio = logRatio(prediction, pair, clutter_density);
+        candidates.pairs.push_back({static_cast<int>(i), static_cast<int>(j), log_ratio});
+        candidates.record.push_back(std::move(pair));
+      } else if (widen(pair, prediction, params)) {
+        const double log_ratio = std::log(kChanges) + logRatio(prediction, pair, clutter_density);
+        candidates.changed.push_back({static_cast<int>(i), static_cast<int>(j), log_ratio});
+        candidates.record_of_changed.push_back(std::move(pair));
+      }
     }
   }
   return candidates;
-}
-
-double missWeight(const TrackPrediction& prediction) {  // (S-39)
-  return 1.0 - prediction.visibility * prediction.detection_probability;
 }
 
 void take(const GatedPair& pair, const std::vector<TrackPrediction>& predictions,
@@ -155,7 +256,8 @@ std::vector<GatedPair> roundOf(const std::vector<GatedPair>& pairs,
                                const AssociationResult& pairing) {
   std::vector<GatedPair> round;
   for (const GatedPair& pair : pairs) {
-    const bool is_free = pairing.prediction_of[static_cast<std::size_t>(pair.sighting)] < 0;
+    const bool is_free = pairing.prediction_of[static_cast<std::size_t>(pair.sighting)] < 0 &&
+                         pairing.sighting_of[static_cast<std::size_t>(pair.track)] < 0;
     if (is_free && predictions[static_cast<std::size_t>(pair.track)].believed == believed)
       round.push_back(pair);
   }
@@ -202,7 +304,8 @@ void weighJointly(const Scan& scan, const std::vector<GatedPair>& pairs,
 }  // namespace
 
 AssociationResult associate(const Scan& scan, const std::vector<TrackPrediction>& predictions,
-                            const GateParams& params, double clutter_density, AssociationMethod method) {
+                            const GateParams& params, double clutter_density, AssociationMethod method,
+                            bool with_branches) {
   AssociationResult pairing;
   pairing.possible.resize(predictions.size());
   pairing.sighting_of.assign(predictions.size(), -1);
@@ -213,13 +316,20 @@ AssociationResult associate(const Scan& scan, const std::vector<TrackPrediction>
   for (std::size_t j = 0; j < scan.sightings.size(); ++j)
     pairing.decisions[j].sighting = static_cast<std::uint32_t>(j);
 
-  const Candidates candidates = candidatesOf(scan, predictions, params, clutter_density, pairing.decisions);
+  Candidates candidates =
+      candidatesOf(scan, predictions, params, clutter_density, with_branches, pairing.decisions);
   for (const bool believed : {true, false}) {
     const std::vector<GatedPair> round = roundOf(candidates.pairs, predictions, believed, pairing);
     for (const std::vector<int>& cluster : clusters(round))
       assignCluster(round, cluster, predictions, pairing);
     if (believed && method == AssociationMethod::jpda) weighJointly(scan, round, predictions, pairing);
   }
+  const std::vector<GatedPair> last_round = roundOf(candidates.changed, predictions, false, pairing);
+  for (const std::vector<int>& cluster : clusters(last_round))
+    assignCluster(last_round, cluster, predictions, pairing);
+  candidates.pairs.insert(candidates.pairs.end(), candidates.changed.begin(), candidates.changed.end());
+  candidates.record.insert(candidates.record.end(), candidates.record_of_changed.begin(),
+                           candidates.record_of_changed.end());
 
   for (std::size_t k = 0; k < candidates.pairs.size(); ++k) {
     const GatedPair& pair = candidates.pairs[k];
@@ -231,6 +341,7 @@ AssociationResult associate(const Scan& scan, const std::vector<TrackPrediction>
     pairing.decisions[j].decision = is_taken ? Decision::accepted : Decision::claimed_by_other;
     pairing.may_start[j] = false;
   }
+  pairing.second_looks = std::move(candidates.unlikely);
   return pairing;
 }
 

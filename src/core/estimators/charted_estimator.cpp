@@ -3,7 +3,6 @@
 #include <utility>
 
 namespace sightline::core {
-
 ChartedEstimator::ChartedEstimator(std::unique_ptr<Estimator> estimator, const Tracklet& first)
     : chart_(Chart::around(first.sighting.direction)), estimator_(std::move(estimator)) {
   estimator_->update(measurementOf(first));

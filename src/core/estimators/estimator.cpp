@@ -1,5 +1,7 @@
 #include "sightline/core/estimators/estimator.h"
 
+#include <cmath>
+
 #include <Eigen/LU>
 
 namespace sightline::core {
@@ -10,12 +12,24 @@ constexpr double kSettledSpan = 0.5;  // [s]
 
 }  // namespace
 
+double nextTo(double other, double angle) {
+  return angle + 2.0 * kPi * std::round((other - angle) / (2.0 * kPi));
+}
+
 Measurement rotate(const Measurement& measurement, const Eigen::Matrix3d& R_new_old) {  // (S-13)
   const Eigen::Matrix2d J = rotationJacobian(measurement.position, R_new_old);
   Measurement turned = measurement;
   turned.position = rotateAngles(measurement.position, R_new_old);
   turned.covariance = symmetric(J * measurement.covariance * J.transpose());
   return turned;
+}
+
+void rotate(std::vector<Measurement>& window, const Eigen::Matrix3d& R_new_old) {  // (S-13)
+  for (std::size_t i = window.size(); i-- > 0;) {
+    window[i] = rotate(window[i], R_new_old);
+    if (i + 1 == window.size()) continue;
+    window[i].position.x() = nextTo(window[i + 1].position.x(), window[i].position.x());
+  }
 }
 
 AngularState firstState(const Measurement& measurement, double rate_sigma) {  // (S-22)

@@ -7,7 +7,7 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kAccelerationMemory = 1.0;  // [s], see ImmEstimator
+constexpr double kAccelerationMemory = 1.0;  // [units of time], see ImmEstimator
 
 void check(const ImmParams& params) {
   for (const ImmModel& model : params.models) {
@@ -20,9 +20,9 @@ void check(const ImmParams& params) {
           std::to_string(noise.ratio));
     }
   }
-  if (!(params.initial_rate_sigma > 0.0) || !(params.initial_acceleration_sigma > 0.0)) {
+  if (!(params.initial_rate_sigma >= 0.0) || !(params.initial_acceleration_sigma > 0.0)) {
     throw std::invalid_argument(
-        "ImmParams: initial_rate_sigma and initial_acceleration_sigma must be above 0, got " +
+        "ImmParams: initial_rate_sigma >= 0 and initial_acceleration_sigma > 0 are required, got " +
         std::to_string(params.initial_rate_sigma) + " and " +
         std::to_string(params.initial_acceleration_sigma));
   }
@@ -42,7 +42,8 @@ std::vector<ImmModel> defaultImmModels() {
 
 ImmEstimator::ImmEstimator(const ImmParams& params)
     : params_(params),
-      chain_(ModeArray::Ones(static_cast<Eigen::Index>(params.models.size())), params.dwell) {
+      chain_(ModeArray::Ones(static_cast<Eigen::Index>(params.models.size())), params.dwell),
+      rate_(params.initial_rate_sigma) {
   check(params);
 }
 
@@ -53,48 +54,67 @@ std::unique_ptr<Estimator> ImmEstimator::clone() const {
 void ImmEstimator::update(const Measurement& measurement) {  // (S-18), (S-27)
   if (time_) {
     const double h = seconds(measurement.time - *time_);
+    if (!revisit_.isKnown()) {
+      rate_.learn(measurement.position - motions_[0].mean.head<2>(),
+                  motions_[0].covariance.topLeftCorner<2, 2>() + measurement.covariance, h);
+      setUnknown(h);
+    }
     motions_ = predicted(h);
     ModeArray log_likelihoods(modes());
     for (int mode = 0; mode < modes(); ++mode)
       log_likelihoods(mode) = condition(motions_[mode], measurement.position, measurement.covariance);
-    chain_.update(h, log_likelihoods);
+    chain_.update(h / revisit_.unit(h), log_likelihoods);
+    revisit_.note(h);
   } else {
-    const AngularState first = firstState(measurement, params_.initial_rate_sigma);
+    const AngularState first = firstState(measurement, rate_.sigma());
     Motion<6> motion;
     motion.mean.head<4>() = first.mean;
     motion.covariance.topLeftCorner<4, 4>() = first.covariance;
-    motion.covariance.diagonal().tail<2>().setConstant(params_.initial_acceleration_sigma *
-                                                       params_.initial_acceleration_sigma);
     motions_.fill(motion);
+    setUnknown(0.0);
   }
   noise_.add(measurement.covariance, measurement.sightings);
   time_ = measurement.time;
 }
 
+/// Covariances of what one sighting does not tell, for a prediction `h` seconds ahead.
+void ImmEstimator::setUnknown(double h) {
+  const double unit = revisit_.unit(h);
+  const double acceleration_sigma = params_.initial_acceleration_sigma / (unit * unit);
+  for (int mode = 0; mode < modes(); ++mode) {
+    auto diagonal = motions_[mode].covariance.diagonal();
+    diagonal.segment<2>(2).setConstant(rate_.variance());
+    diagonal.tail<2>().setConstant(acceleration_sigma * acceleration_sigma);
+  }
+}
+
 std::optional<AngularState> ImmEstimator::stateAt(Time time) const {
   if (!time_) return std::nullopt;
   const double h = seconds(time - *time_);
+  const Motion<6>& first = motions_[0];
+  if (rate_.isOpen())
+    return rate_.stateAfter(h, first.mean.head<2>(), first.covariance.topLeftCorner<2, 2>());
   if (h == 0.0) return mixture(chain_.probabilities(), motions_.data()).angularState();
-  return mixture(chain_.predicted(h), predicted(h).data()).angularState();  // (S-6)
+  return mixture(chain_.predicted(h / revisit_.unit(h)), predicted(h).data()).angularState();  // (S-6)
 }
 
 /// What each model expects `h` seconds after the last sighting, after the models have interacted.
 ImmEstimator::Motions ImmEstimator::predicted(double h) const {  // (S-25), (S-26), (S-17)
-  const ModeArray own = chain_.ownShares(h);
+  const double unit = revisit_.unit(h);
+  const ModeArray own = chain_.ownShares(h / unit);
   const Motion<6> all = mixture(chain_.probabilities(), motions_.data());
   Motions ahead;
   for (int mode = 0; mode < modes(); ++mode) {
     const ImmModel& model = params_.models[static_cast<std::size_t>(mode)];
-    const Eigen::Matrix2d density = model.noise.densityFor(noise_.covariance());
     Motion<6>& motion = ahead[mode] = mixture(own(mode), motions_[mode], all);
     if (model.order == 1) {
       forgetAcceleration(motion);
       moveOn(motion, h);
-      addWhiteAcceleration(motion, density, h);
-      motion.covariance.bottomRightCorner<2, 2>() = unknownAcceleration();
+      addWhiteAcceleration(motion, model.noise.accelerationFor(noise_.covariance(), unit), h);
+      motion.covariance.bottomRightCorner<2, 2>() = unknownAcceleration(unit);
     } else {
       moveOn(motion, h);
-      addWhiteJerk(motion, density, h);
+      addWhiteJerk(motion, model.noise.jerkFor(noise_.covariance(), unit), h);
     }
     motion.covariance = symmetric(motion.covariance);
   }
@@ -102,16 +122,16 @@ ImmEstimator::Motions ImmEstimator::predicted(double h) const {  // (S-25), (S-2
 }
 
 /// Covariance of the acceleration by a model that has none.
-Eigen::Matrix2d ImmEstimator::unknownAcceleration() const {  // (S-24)
+Eigen::Matrix2d ImmEstimator::unknownAcceleration(double unit) const {  // (S-24)
   const ImmModel* mildest = nullptr;
   double least = 0.0;
   for (const ImmModel& model : params_.models) {
     if (model.order != 2) continue;
-    const double strength = model.noise.densityFor(noise_.covariance()).trace();
+    const double strength = model.noise.jerkFor(noise_.covariance(), unit).trace();
     if (!mildest || strength < least) mildest = &model, least = strength;
   }
   if (!mildest) return Eigen::Matrix2d::Zero();
-  return kAccelerationMemory * mildest->noise.densityFor(noise_.covariance());
+  return kAccelerationMemory * unit * mildest->noise.jerkFor(noise_.covariance(), unit);
 }
 
 void ImmEstimator::rotate(const Eigen::Matrix3d& R_new_old) {

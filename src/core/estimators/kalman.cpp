@@ -5,12 +5,13 @@
 
 namespace sightline::core {
 
-KalmanEstimator::KalmanEstimator(const KalmanParams& params) : params_(params) {
+KalmanEstimator::KalmanEstimator(const KalmanParams& params)
+    : params_(params), rate_(params.initial_rate_sigma) {
   if (!(params.process_noise >= 0.0) || !(params.process_noise > 0.0 || params.process_noise_ratio > 0.0) ||
-      !(params.initial_rate_sigma > 0.0)) {
+      !(params.initial_rate_sigma >= 0.0)) {
     throw std::invalid_argument(
         "KalmanParams: process_noise >= 0 (0 = by process_noise_ratio), process_noise_ratio > 0 and "
-        "initial_rate_sigma > 0 are required, got " +
+        "initial_rate_sigma >= 0 are required, got " +
         std::to_string(params.process_noise) + ", " + std::to_string(params.process_noise_ratio) + " and " +
         std::to_string(params.initial_rate_sigma));
   }
@@ -22,10 +23,15 @@ std::unique_ptr<Estimator> KalmanEstimator::clone() const {
 
 void KalmanEstimator::update(const Measurement& measurement) {  // (S-18)
   if (time_) {
+    const double h = seconds(measurement.time - *time_);
+    rate_.learn(measurement.position - motion_.mean.head<2>(),
+                motion_.covariance.topLeftCorner<2, 2>() + measurement.covariance, h);
+    if (!revisit_.isKnown()) motion_.covariance.diagonal().tail<2>().setConstant(rate_.variance());
     motion_ = predicted(measurement.time);
+    revisit_.note(h);
     condition(motion_, measurement.position, measurement.covariance);
   } else {
-    const AngularState first = firstState(measurement, params_.initial_rate_sigma);
+    const AngularState first = firstState(measurement, rate_.sigma());
     motion_ = {first.mean, first.covariance};
   }
   noise_.add(measurement.covariance, measurement.sightings);
@@ -34,6 +40,10 @@ void KalmanEstimator::update(const Measurement& measurement) {  // (S-18)
 
 std::optional<AngularState> KalmanEstimator::stateAt(Time time) const {
   if (!time_) return std::nullopt;
+  if (rate_.isOpen()) {
+    return rate_.stateAfter(seconds(time - *time_), motion_.mean.head<2>(),
+                            motion_.covariance.topLeftCorner<2, 2>());
+  }
   return predicted(time).angularState();
 }
 
@@ -42,7 +52,7 @@ Motion<4> KalmanEstimator::predicted(Time time) const {  // (S-17)
   Motion<4> motion = motion_;
   moveOn(motion, h);
   const ProcessNoise process_noise{params_.process_noise, params_.process_noise_ratio};
-  addWhiteAcceleration(motion, process_noise.densityFor(noise_.covariance()), h);
+  addWhiteAcceleration(motion, process_noise.accelerationFor(noise_.covariance(), revisit_.unit(h)), h);
   motion.covariance = symmetric(motion.covariance);
   return motion;
 }

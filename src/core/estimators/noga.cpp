@@ -23,9 +23,9 @@ using WindowArray = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMaxRows + 2, 1>;
 using Vector1 = Eigen::Matrix<double, 1, 1>;
 
 void check(const NogaParams& params) {
-  if (params.rows < 3 || params.rows > kMaxRows || !(params.initial_rate_sigma > 0.0)) {
+  if (params.rows < 3 || params.rows > kMaxRows || !(params.initial_rate_sigma >= 0.0)) {
     throw std::invalid_argument("NogaParams: rows in [3, " + std::to_string(kMaxRows) +
-                                "] and initial_rate_sigma > 0 are required, got " +
+                                "] and initial_rate_sigma >= 0 are required, got " +
                                 std::to_string(params.rows) + " and " +
                                 std::to_string(params.initial_rate_sigma));
   }
@@ -41,7 +41,7 @@ struct NogaEstimator::Response {
   double residual_variance = 0.0;  // of q by the residuals of the auto-regression [rad^2]
 };
 
-NogaEstimator::NogaEstimator(const NogaParams& params) : params_(params) {
+NogaEstimator::NogaEstimator(const NogaParams& params) : params_(params), rate_(params.initial_rate_sigma) {
   check(params);
   const int capacity = params.rows + 2;
   time_.resize(static_cast<std::size_t>(capacity));
@@ -57,6 +57,10 @@ std::unique_ptr<Estimator> NogaEstimator::clone() const {
 
 void NogaEstimator::update(const Measurement& measurement) {
   const double h = size_ > 0 ? seconds(measurement.time - time_[size_ - 1]) : 0.0;
+  if (size_ > 0) {
+    rate_.learn(measurement.position - state_.angles(), state_.anglesCovariance() + measurement.covariance,
+                h);
+  }
   if (isPause(h)) series_ = 0;
   auto_regressive_ = hasRows();
   Measurement stored = measurement;
@@ -166,7 +170,7 @@ void NogaEstimator::fitLines() {  // (3), (S-2), (S-23)
     last.position(channel) = value_[channel](size_ - 1);
     last.covariance(channel, channel) = variance_[channel](size_ - 1);
   }
-  line_ = firstState(last, params_.initial_rate_sigma);
+  line_ = firstState(last, rate_.sigma());
   for (int channel = 0; channel < 2; ++channel) {
     const auto variance = variance_[channel].head(size_);
     const auto fit = fitLine(age, value_[channel].head(size_), variance, WindowArray(variance.inverse()));
@@ -178,12 +182,13 @@ void NogaEstimator::fitLines() {  // (3), (S-2), (S-23)
     line_.covariance(channel + 2, channel + 2) = P(0, 0);
     line_.covariance(channel, channel + 2) = line_.covariance(channel + 2, channel) = -P(0, 1);
   }
-  line_ = withRatePrior(line_, params_.initial_rate_sigma, static_cast<std::size_t>(size_), age(0));
+  line_ = withRatePrior(line_, rate_.sigma(), static_cast<std::size_t>(size_), age(0));
 }
 
 std::optional<AngularState> NogaEstimator::stateAt(Time time) const {
   if (size_ == 0) return std::nullopt;
   const double h = seconds(time - time_[size_ - 1]);
+  if (rate_.isOpen()) return rate_.stateAfter(h, state_.angles(), state_.anglesCovariance());
   if (h <= 0.0 || !hasRows()) return coasted(state_, h);
 
   AngularState next = state_;
@@ -214,12 +219,13 @@ AngularState NogaEstimator::coasted(AngularState state, double h) const {  // (S
 
 void NogaEstimator::rotate(const Eigen::Matrix3d& R_new_old) {
   if (size_ == 0) return;
-  for (int i = 0; i < size_; ++i) {
+  for (int i = size_; i-- > 0;) {
     const Eigen::Vector2d position(value_[0](i), value_[1](i));
     Eigen::Matrix2d R;
     R << variance_[0](i), cross_covariance_(i), cross_covariance_(i), variance_[1](i);
     const Eigen::Matrix2d J = rotationJacobian(position, R_new_old);
-    const Eigen::Vector2d turned = rotateAngles(position, R_new_old);
+    Eigen::Vector2d turned = rotateAngles(position, R_new_old);
+    if (i + 1 < size_) turned.x() = nextTo(value_[0](i + 1), turned.x());
     R = symmetric(J * R * J.transpose());
     for (int channel = 0; channel < 2; ++channel) {
       value_[channel](i) = turned(channel);

@@ -16,7 +16,7 @@ namespace {
 constexpr double kInitialSigma = 2.0;        // of rate, acceleration and kappa before anything is known
 constexpr double kSigmasOfAmplitude = 10.0;  // amplitude over sigma where the amplitude is not given
 constexpr double kCoupling = 1e-6;           // correlation from which azimuth and elevation count as coupled
-constexpr double kLongestStep = 30.0;        // [s]; what was known of a target is lost by then
+constexpr double kLongestStep = 30.0;        // [units of time]; what was known of a target is lost by then
 constexpr double kOutlierReach = 20.0;  // sigmas of the innovation over which outliers lie at least: a track
                                         // that has just started must believe its second sighting
 
@@ -29,10 +29,11 @@ void check(const NogaConsistentParams& params) {
                                 " models are required, got " + std::to_string(params.models.size()));
   }
   for (const ResponseModel& model : params.models) check(model);
-  if (!(params.amplitude >= 0.0) || !(params.initial_rate_sigma > 0.0) ||
+  if (!(params.amplitude >= 0.0) || !(params.initial_rate_sigma >= 0.0) ||
       !(params.outlier_share >= 0.0 && params.outlier_share < 1.0) || !(params.outlier_width > 0.0)) {
     throw std::invalid_argument(
-        "NogaConsistentParams: amplitude >= 0 rad, initial_rate_sigma > 0 rad/s, outlier_share in [0, 1) and "
+        "NogaConsistentParams: amplitude >= 0 rad, initial_rate_sigma >= 0 rad/s, outlier_share in [0, 1) "
+        "and "
         "outlier_width > 0 are "
         "required");
   }
@@ -74,7 +75,10 @@ NogaConsistentParams bankOfSection43() {
 }
 
 NogaConsistentEstimator::NogaConsistentEstimator(const NogaConsistentParams& params)
-    : params_(params), chain_(attractions(params), params.dwell), noise_learning_(noiseLearning(params)) {}
+    : params_(params),
+      chain_(attractions(params), params.dwell),
+      rate_(params.initial_rate_sigma),
+      noise_learning_(noiseLearning(params)) {}
 
 std::unique_ptr<Estimator> NogaConsistentEstimator::clone() const {
   return std::unique_ptr<Estimator>(new NogaConsistentEstimator(*this));
@@ -85,8 +89,18 @@ void NogaConsistentEstimator::update(const Measurement& measurement) {
   coupled_ = coupled_ || std::abs(R(0, 1)) > kCoupling * std::sqrt(R(0, 0) * R(1, 1));
   if (measurement.is_certain || !time_) sighting_noise_.add(R, measurement.sightings);
   const double h = time_ ? seconds(measurement.time - *time_) : 0.0;
-  if (time_ && h <= kLongestStep) {
-    noise_learning_.next(h);
+  const double units = h / revisit_.unit(h);
+  if (time_ && units <= kLongestStep) {
+    is_second_look_ = rate_.isOpen();
+    if (!revisit_.isKnown()) {
+      const Belief& belief = beliefs_[0];
+      const Eigen::Vector2d position(belief.mean[0](0), belief.mean[1](0));
+      Eigen::Matrix2d both = R;
+      both.diagonal() += Eigen::Vector2d(belief.covariance[0](0, 0), belief.covariance[1](0, 0));
+      rate_.learn(measurement.position - position, both, h);
+      setUnknown(h);
+    }
+    noise_learning_.next(units);
     beliefs_ = expected(h);  // 4.3 (i), (ii)
     ModeArray log_likelihoods(modes());
     for (int mode = 0; mode < modes(); ++mode) {
@@ -95,7 +109,8 @@ void NogaConsistentEstimator::update(const Measurement& measurement) {
           reduce(beliefs_[mode], measurement, kind == ResponseModel::Kind::straight);  // (iii)
     }
     if (!measurement.is_certain) log_likelihoods.setZero();  // it tells nothing of the models
-    chain_.update(h, log_likelihoods);                       // (iv)
+    chain_.update(units, log_likelihoods);                   // (iv)
+    revisit_.note(h);
   } else {
     start(measurement);
   }
@@ -111,24 +126,37 @@ double NogaConsistentEstimator::amplitude(int channel, double noise) const {
 
 void NogaConsistentEstimator::start(const Measurement& measurement) {
   for (int mode = 0; mode < modes(); ++mode) {
-    const ResponseModel& model = params_.models[static_cast<std::size_t>(mode)];
     Belief& belief = beliefs_[mode];
     belief.cross(0, 0) = measurement.covariance(0, 1);
     for (int channel = 0; channel < 2; ++channel) {
-      const double acceleration_sigma = kInitialSigma * amplitude(channel, 1.0);
       belief.mean[channel] << measurement.position(channel), 0.0, 0.0, 0.0;
-      if (model.kind == ResponseModel::Kind::fixed_harmonic) belief.mean[channel](3) = model.kappa;
-      belief.covariance[channel].diagonal() << measurement.covariance(channel, channel),
-          params_.initial_rate_sigma * params_.initial_rate_sigma, acceleration_sigma * acceleration_sigma,
-          kInitialSigma * kInitialSigma;
+      belief.covariance[channel](0, 0) = measurement.covariance(channel, channel);
+    }
+  }
+  setUnknown(0.0);
+}
+
+/// Variances of what one sighting does not tell, for a prediction `h` seconds ahead.
+void NogaConsistentEstimator::setUnknown(double h) {
+  const double unit = revisit_.unit(h);
+  const double kappa_sigma = kInitialSigma / (unit * unit);
+  for (int mode = 0; mode < modes(); ++mode) {
+    const ResponseModel& model = params_.models[static_cast<std::size_t>(mode)];
+    for (int channel = 0; channel < 2; ++channel) {
+      const double acceleration_sigma = kappa_sigma * amplitude(channel, 1.0);
+      beliefs_[mode].covariance[channel].diagonal().tail<3>() << rate_.variance(),
+          acceleration_sigma * acceleration_sigma, kappa_sigma * kappa_sigma;
+      if (model.kind == ResponseModel::Kind::fixed_harmonic)
+        beliefs_[mode].mean[channel](3) = model.kappa / (unit * unit);
     }
   }
 }
 
 /// What each model expects `h` seconds after the last sighting, after the models have interacted.
 NogaConsistentEstimator::Beliefs NogaConsistentEstimator::expected(double h) const {  // (S-25), (S-26)
-  h = std::clamp(h, -kLongestStep, kLongestStep);
-  const ModeArray own = chain_.ownShares(h);
+  const double unit = revisit_.unit(h);
+  const double units = std::clamp(h / unit, -kLongestStep, kLongestStep);
+  const ModeArray own = chain_.ownShares(units);
   const Belief all = mixtureOfAll();
   Beliefs ahead;
   for (int mode = 0; mode < modes(); ++mode) {
@@ -139,7 +167,9 @@ NogaConsistentEstimator::Beliefs NogaConsistentEstimator::expected(double h) con
     else
       blend<4>(own(mode), own_belief, all, ahead[mode]);
     const Eigen::Vector2d& noise = ahead[mode].noise;
-    step(ahead[mode], model, {amplitude(0, noise(0)), amplitude(1, noise(1))}, h, coupled_);
+    inUnits(ahead[mode], unit);
+    step(ahead[mode], model, {amplitude(0, noise(0)), amplitude(1, noise(1))}, units, coupled_);
+    inUnits(ahead[mode], 1.0 / unit);
   }
   return ahead;
 }
@@ -231,15 +261,21 @@ Eigen::Vector2d NogaConsistentEstimator::noiseScale() const {
   return scale;
 }
 
+/// A target whose rates are not known yet has no outliers: its second sighting may be anywhere.
+double NogaConsistentEstimator::outlierShare() const {
+  return is_second_look_ ? 0.0 : params_.outlier_share;
+}
+
 /// Soft gate: the share of a sighting that is the target's, when outliers are spread evenly.
 double NogaConsistentEstimator::takenShare(double log_likelihood, double log_outlier_density,
                                            double& log_mixture) const {  // (S-28)
-  if (params_.outlier_share == 0.0) {
+  const double share = outlierShare();
+  if (share == 0.0) {
     log_mixture = log_likelihood;
     return 1.0;
   }
-  const double genuine = std::log1p(-params_.outlier_share) + log_likelihood;
-  log_mixture = logSum(genuine, std::log(params_.outlier_share) + log_outlier_density);
+  const double genuine = std::log1p(-share) + log_likelihood;
+  log_mixture = logSum(genuine, std::log(share) + log_outlier_density);
   return std::exp(genuine - log_mixture);
 }
 
@@ -321,8 +357,12 @@ double NogaConsistentEstimator::reduceCoupled(Belief& belief, const Measurement&
 std::optional<AngularState> NogaConsistentEstimator::stateAt(Time time) const {
   if (!time_) return std::nullopt;
   const double h = seconds(time - *time_);
+  if (rate_.isOpen()) {
+    const AngularState first = moments(chain_.probabilities(), beliefs_);
+    return rate_.stateAfter(h, first.angles(), first.anglesCovariance());
+  }
   if (h == 0.0) return moments(chain_.probabilities(), beliefs_);
-  return moments(chain_.predicted(h), expected(h));
+  return moments(chain_.predicted(h / revisit_.unit(h)), expected(h));
 }
 
 /// Position and rates of the mixture (S-6), both channels together.

@@ -92,6 +92,16 @@ std::vector<ResponseModel> defaultResponseModels() {
           {ResponseModel::Kind::fading, 1000.0, 0.0, 0.0, 2.0, 0.5}};
 }
 
+void inUnits(ResponseBelief& belief, double unit) {
+  if (unit == 1.0) return;
+  const Eigen::Vector4d scale(1.0, unit, unit * unit, unit * unit);
+  for (int channel = 0; channel < 2; ++channel) {
+    belief.mean[channel] = scale.cwiseProduct(belief.mean[channel]);
+    belief.covariance[channel] = scale.asDiagonal() * belief.covariance[channel] * scale.asDiagonal();
+  }
+  belief.cross = scale.asDiagonal() * belief.cross * scale.asDiagonal();
+}
+
 void check(const ResponseModel& model) {
   if (!(model.q >= 0.0) || !(model.q_kappa >= 0.0) || !std::isfinite(model.kappa) || !(model.fade > 0.0) ||
       !(model.attraction > 0.0)) {

@@ -77,12 +77,13 @@ double paperGateHalfWidth(const LineFit& fit, double h, double sigma) {
   return 3.0 * std::max(fit.E(1) + h * fit.E(0), sigma);  // (5)
 }
 
-TwblsEstimator::TwblsEstimator(const TwblsParams& params) : params_(params) {
+TwblsEstimator::TwblsEstimator(const TwblsParams& params)
+    : params_(params), rate_(params.initial_rate_sigma) {
   if (params.min_sightings < 2 || params.max_sightings < std::max(params.min_sightings, 3) ||
-      !(params.window > 0.0) || !(params.decay > 0.0) || !(params.initial_rate_sigma > 0.0)) {
+      !(params.window > 0.0) || !(params.decay > 0.0) || !(params.initial_rate_sigma >= 0.0)) {
     throw std::invalid_argument(
-        "TwblsParams: 2 <= min_sightings <= max_sightings, max_sightings >= 3, window, decay and "
-        "initial_rate_sigma > 0 are required");
+        "TwblsParams: 2 <= min_sightings <= max_sightings, max_sightings >= 3, window and decay > 0 "
+        "and initial_rate_sigma >= 0 are required");
   }
   window_.reserve(static_cast<std::size_t>(params.max_sightings) + 1);
   for (Eigen::ArrayXd* array : {&age_, &time_weight_, &cross_covariance_, &value_[0], &value_[1],
@@ -100,6 +101,11 @@ void TwblsEstimator::update(const Measurement& measurement) {
     throw std::invalid_argument("TWBLS weights sensors by 1/ifov^2, but a sighting has ifov " +
                                 std::to_string(measurement.ifov) +
                                 ": set the sensor's ifov or sensor_weight: variance");
+  }
+  if (!window_.empty()) {
+    const Measurement& last = window_.back();
+    rate_.learn(measurement.position - last.position, last.covariance + measurement.covariance,
+                seconds(measurement.time - last.time));
   }
   window_.push_back(measurement);
   forget(measurement.time);
@@ -175,7 +181,7 @@ AngularState TwblsEstimator::lineState() const {  // (5C), (S-23), (9C)
   }
 
   state.covariance = symmetric(state.covariance);
-  return withRatePrior(state, params_.initial_rate_sigma, window_.size(), age_(0));
+  return withRatePrior(state, rate_.sigma(), window_.size(), age_(0));
 }
 
 /// All sightings at one instant: their weighted mean, and nothing known of the rates.
@@ -192,16 +198,18 @@ AngularState TwblsEstimator::pointState() const {  // (3), (S-2)
   mean.covariance(0, 1) = (weight_[0].head(n) * weight_[1].head(n) * cross_covariance_.head(n)).sum() /
                           (weight_[0].head(n).sum() * weight_[1].head(n).sum());
   mean.covariance(1, 0) = mean.covariance(0, 1);
-  return firstState(mean, params_.initial_rate_sigma);
+  return firstState(mean, rate_.sigma());
 }
 
 std::optional<AngularState> TwblsEstimator::stateAt(Time time) const {
   if (window_.empty()) return std::nullopt;
+  if (rate_.isOpen())
+    return rate_.stateAfter(seconds(time - window_.back().time), state_.angles(), state_.anglesCovariance());
   return propagate(state_, seconds(time - window_.back().time), 0.0);  // (5C)
 }
 
 void TwblsEstimator::rotate(const Eigen::Matrix3d& R_new_old) {
-  for (Measurement& sighting : window_) sighting = core::rotate(sighting, R_new_old);
+  core::rotate(window_, R_new_old);
   if (!window_.empty()) refit();
 }
 

@@ -47,6 +47,7 @@ std::vector<ProcessNoise> defaultAccelerations() {
 
 TwblsConsistentEstimator::TwblsConsistentEstimator(const TwblsConsistentParams& params)
     : params_(params),
+      rate_(params.initial_rate_sigma),
       noise_learning_(params.noise),
       evidence_(ModeArray::Zero(
           static_cast<Eigen::Index>(std::min<std::size_t>(params.process_noises.size(), kMaxModes)))) {
@@ -56,11 +57,11 @@ TwblsConsistentEstimator::TwblsConsistentEstimator(const TwblsConsistentParams& 
         return noise.density > 0.0 || (noise.density == 0.0 && noise.ratio > 0.0);
       });
   if (!sound_bank || params.sightings < 3 || !(params.min_span >= 0.0) || !(params.memory > 0.0) ||
-      !(params.initial_rate_sigma > 0.0)) {
+      !(params.initial_rate_sigma >= 0.0)) {
     throw std::invalid_argument(
         "TwblsConsistentParams: 1 to " + std::to_string(kMaxModes) +
         " process noises with density or ratio > 0, sightings >= 3, min_span >= 0, memory "
-        "and initial_rate_sigma > 0 are required");
+        "> 0 and initial_rate_sigma >= 0 are required");
   }
   for (Eigen::Vector2d& noise : noise_) noise.setOnes();
   window_.reserve(kUsualSightings);
@@ -71,7 +72,13 @@ std::unique_ptr<Estimator> TwblsConsistentEstimator::clone() const {
 }
 
 void TwblsConsistentEstimator::update(const Measurement& measurement) {
-  if (!window_.empty()) weigh(measurement);
+  if (!window_.empty()) {
+    const double h = seconds(measurement.time - window_.back().time);
+    rate_.learn(measurement.position - window_.back().position,
+                window_.back().covariance + measurement.covariance, h);
+    weigh(measurement);
+    revisit_.note(h);
+  }
   if (measurement.is_certain || window_.empty())
     sighting_noise_.add(measurement.covariance, measurement.sightings);
   add(measurement);
@@ -82,9 +89,10 @@ void TwblsConsistentEstimator::update(const Measurement& measurement) {
 void TwblsConsistentEstimator::weigh(const Measurement& measurement) {  // (S-6), (S-11)
   if (!measurement.is_certain) return;  // nothing was seen that tells the models apart
   const double h = seconds(measurement.time - window_.back().time);
-  evidence_ *= std::exp(-h / params_.memory);
+  const double units = h / revisit_.unit(h);
+  evidence_ *= std::exp(-units / params_.memory);
   if (window_.size() < 2) return;  // nothing was predicted
-  noise_learning_.next(h);
+  noise_learning_.next(units);
   for (int mode = 0; mode < modes(); ++mode) {
     const Motion<4> expected = predicted(mode, h);
     const Eigen::Matrix2d S =
@@ -153,51 +161,53 @@ void TwblsConsistentEstimator::fitWindow() {
 void TwblsConsistentEstimator::take(Motion<4>& motion, int mode, std::size_t index) const {
   const Measurement& sighting = window_[index];
   if (index == 0) {
-    const AngularState state = firstState(sighting, params_.initial_rate_sigma);
+    const AngularState state = firstState(sighting, rate_.sigma());
     motion.mean = state.mean;
     motion.covariance = state.covariance;
     return;
   }
   const double h = seconds(sighting.time - window_[index - 1].time);
   if (index == 1) {
-    motion = throughTwo(window_[0], sighting, h, density(mode));
+    motion = throughTwo(window_[0], sighting, h, density(mode, h));
     return;
   }
   moveOn(motion, h);
-  addWhiteAcceleration(motion, density(mode), h);
+  addWhiteAcceleration(motion, density(mode, h), h);
   condition(motion, sighting.position, sighting.covariance);
 }
 
-Eigen::Matrix2d TwblsConsistentEstimator::density(int mode) const {  // (S-24)
-  return params_.process_noises[static_cast<std::size_t>(mode)].densityFor(sighting_noise_.covariance());
+Eigen::Matrix2d TwblsConsistentEstimator::density(int mode, double h) const {  // (S-24), (S-91)
+  return params_.process_noises[static_cast<std::size_t>(mode)].accelerationFor(sighting_noise_.covariance(),
+                                                                                revisit_.unit(h));
 }
 
 /// By the stated covariances.
 Motion<4> TwblsConsistentEstimator::predicted(int mode, double h) const {  // (S-17)
   Motion<4> motion = motions_[mode];
   moveOn(motion, h);
-  addWhiteAcceleration(motion, density(mode), h);
+  addWhiteAcceleration(motion, density(mode, h), h);
   return motion;
 }
 
 std::optional<AngularState> TwblsConsistentEstimator::stateAt(Time time) const {
   if (window_.empty()) return std::nullopt;
   const double h = seconds(time - window_.back().time);
+  if (rate_.isOpen()) return rate_.stateAfter(h, window_.back().position, window_.back().covariance);
   Motion<4> expected[kMaxModes];
   for (int mode = 0; mode < modes(); ++mode) {
     expected[mode] = predicted(mode, h);
     const Eigen::Vector4d growth = noise_[mode].cwiseSqrt().replicate<2, 1>();
     expected[mode].covariance = growth.asDiagonal() * expected[mode].covariance * growth.asDiagonal();
   }
-  const double span = seconds(window_.back().time - window_.front().time);
-  return withRatePrior(mixture(weights(), expected).angularState(), params_.initial_rate_sigma,
-                       window_.size(), span);  // (S-6)
+  const double span = seconds(window_.back().time - window_.front().time) / revisit_.unit(h);
+  return withRatePrior(mixture(weights(), expected).angularState(), rate_.sigma(), window_.size(),
+                       span);  // (S-6)
 }
 
 void TwblsConsistentEstimator::rotate(const Eigen::Matrix3d& R_new_old) {
   if (window_.empty()) return;
   sighting_noise_.transform(rotationJacobian(window_.back().position, R_new_old));
-  for (Measurement& sighting : window_) sighting = core::rotate(sighting, R_new_old);
+  core::rotate(window_, R_new_old);
   fitWindow();
 }
 

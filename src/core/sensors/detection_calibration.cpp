@@ -21,7 +21,8 @@ constexpr double kLeastClutter = 1e-3;   // of a scan: no sensor is free of it
 constexpr double kFirstSpread = 0.3;  // of false sightings in each angle [rad], before anything is known ...
 constexpr double kTrustInSpread = 5.0;  // ... for so many of them
 constexpr double kSphere = 4.0 * kPi;   // [sr]
-constexpr double kLongest = 300.0;      // for which births add up [s]
+constexpr double kLeastSpread = 5.0;    // of false sightings, in standard deviations of a sighting
+constexpr double kLongest = 300.0;      // for which births add up [units of time]
 
 bool byName(const CalibratedDetection& sensor, const std::string& name) {
   return sensor.sensor < name;
@@ -33,21 +34,35 @@ const CalibratedDetection& unknownSensor() {
   return unknown;
 }
 
+double areaOf(const Eigen::Matrix2d& spread) {
+  const double determinant = spread(0, 0) * spread(1, 1) - spread(0, 1) * spread(1, 0);
+  return std::min(12.0 * std::sqrt(std::max(determinant, 1e-18)), kSphere);
+}
+
+const Sighting& sharpestOf(const Scan& scan) {
+  return *std::min_element(
+      scan.sightings.begin(), scan.sightings.end(),
+      [](const Sighting& a, const Sighting& b) { return a.covariance.trace() < b.covariance.trace(); });
+}
+
 /// (S-47): a rectangle whose points have these variances in its two directions has the area 12 sqrt(var var).
-double solidAngleOf(const CalibratedDetection& sensor) {
+double solidAngleOf(const CalibratedDetection& sensor, const Scan& scan) {
   const double first_variance = kFirstSpread * kFirstSpread;
   Eigen::Matrix2d spread = kTrustInSpread * first_variance * Eigen::Matrix2d::Identity();
-  if (sensor.clutter > 0.0 && sensor.direction.norm() > 0.0) {
-    const Eigen::Vector3d axis = sensor.direction.normalized();
-    Eigen::Matrix<double, 3, 2> across;  // of the plane that touches the sphere
-    across.col(0) = axis.unitOrthogonal();
-    across.col(1) = axis.cross(across.col(0));
+  const bool has_clutter = sensor.clutter > 0.0 && sensor.direction.norm() > 0.0;
+  if (!has_clutter && scan.sightings.empty()) return areaOf(spread / kTrustInSpread);
+  const Eigen::Vector3d axis = has_clutter ? sensor.direction.normalized() : scan.sightings.front().direction;
+  Eigen::Matrix<double, 3, 2> across;  // of the plane that touches the sphere
+  across.col(0) = axis.unitOrthogonal();
+  across.col(1) = axis.cross(across.col(0));
+  if (has_clutter) {
     const Eigen::Vector2d mean = across.transpose() * sensor.direction / sensor.clutter;
     spread += across.transpose() * sensor.scatter * across - sensor.clutter * mean * mean.transpose();
   }
   spread /= sensor.clutter + kTrustInSpread;
-  const double determinant = spread(0, 0) * spread(1, 1) - spread(0, 1) * spread(1, 0);
-  return std::min(12.0 * std::sqrt(std::max(determinant, 1e-18)), kSphere);
+  if (scan.sightings.empty()) return areaOf(spread);
+  const Eigen::Matrix2d sharpest = across.transpose() * sharpestOf(scan).covariance * across;
+  return std::max(areaOf(spread), areaOf(kLeastSpread * kLeastSpread * sharpest));
 }
 
 /// False sightings expected in a scan (S-46). All that the scan shows may be false: it counts as such beside
@@ -90,7 +105,7 @@ double DetectionCalibration::probability(const Scan& scan) const {
 double DetectionCalibration::solidAngle(const Scan& scan) const {
   if (scan.view) return scan.view->solidAngle();
   const CalibratedDetection* sensor = find(scan.sensor);
-  return solidAngleOf(sensor == nullptr ? unknownSensor() : *sensor);
+  return solidAngleOf(sensor == nullptr ? unknownSensor() : *sensor, scan);
 }
 
 double DetectionCalibration::clutterDensity(const Scan& scan) const {
@@ -112,7 +127,15 @@ double DetectionCalibration::newTargetOdds(const Scan& scan) const {
 }
 
 double DetectionCalibration::birthDensity(const Scan& scan, double duration) const {
-  return params_.births * duration / solidAngle(scan);  // (S-43)
+  return params_.births * duration / interval(scan).unit(duration) / solidAngle(scan);  // (S-43)
+}
+
+RevisitTime DetectionCalibration::interval(const Scan& scan) const {
+  const CalibratedDetection* sensor = find(scan.sensor);
+  if (sensor == nullptr) return {};
+  RevisitTime interval = sensor->interval;
+  interval.note(seconds(scan.time - sensor->last_scan));
+  return interval;
 }
 
 void DetectionCalibration::take(const Scan& scan, int looked, int seen,
@@ -124,7 +147,9 @@ void DetectionCalibration::take(const Scan& scan, int looked, int seen,
     sensor->sensor = scan.sensor;
     sensor->undiscovered = params_.first_targets;
   } else {
-    const double since_last = std::clamp(seconds(scan.time - sensor->last_scan), 0.0, kLongest);
+    const double since = std::max(seconds(scan.time - sensor->last_scan), 0.0);
+    const double since_last = std::min(since / sensor->interval.unit(since), kLongest);
+    sensor->interval.note(since);
     // (S-48)
     sensor->undiscovered = (1.0 - probability(scan)) * sensor->undiscovered + params_.births * since_last;
   }

@@ -8,6 +8,7 @@ namespace sightline::core {
 namespace {
 
 constexpr std::size_t kMostSensors = 256;
+constexpr double kMostOff = 1e12;  // factor on the stated variance that is believed: a million sigmas
 constexpr double kLargestSurprise =
     9.0;  // squared innovation over the expected that one sighting may count for
 
@@ -32,20 +33,37 @@ double NoiseCalibration::scale(const std::string& sensor) const {
   return place != sensors_.end() && place->sensor == sensor ? place->scale : 1.0;
 }
 
+/// The sensor's, made where there is none yet; null when there are too many.
+CalibratedSensor* NoiseCalibration::entry(const std::string& sensor) {
+  auto place = std::lower_bound(sensors_.begin(), sensors_.end(), sensor, byName);
+  if (place == sensors_.end() || place->sensor != sensor) {
+    if (sensors_.size() >= kMostSensors) return nullptr;
+    place = sensors_.insert(place, CalibratedSensor{});
+    place->sensor = sensor;
+  }
+  return &*place;
+}
+
+// (S-96)
+void NoiseCalibration::takeUntracked(const Scan& scan) {
+  if (!params_.enabled) return;
+  CalibratedSensor* known = entry(scan.sensor);
+  if (known == nullptr) return;
+  const auto factor = known->lone.take(scan);
+  if (factor) known->scale = known->start = std::min(*factor, kMostOff);
+}
+
 void NoiseCalibration::take(const std::string& sensor, const Eigen::Vector2d& innovation_squared,
                             const Eigen::Vector2d& expected, const Eigen::Vector2d& track_scale) {
   if (!params_.enabled) return;
-  auto place = std::lower_bound(sensors_.begin(), sensors_.end(), sensor, byName);
-  if (place == sensors_.end() || place->sensor != sensor) {
-    if (sensors_.size() >= kMostSensors) return;
-    place = sensors_.insert(place, {sensor, 1.0, 0.0});
-  }
+  CalibratedSensor* place = entry(sensor);
+  if (place == nullptr) return;
   const Eigen::Vector2d surprise =
       innovation_squared.cwiseQuotient(expected).cwiseMin(kLargestSurprise).cwiseProduct(track_scale);
   place->sightings = std::min(place->sightings + 1.0, params_.settled);
   const double share = 1.0 / std::min(params_.trust + place->sightings, params_.settled);
   const double learned = place->scale * (1.0 + share * (surprise.mean() - 1.0));  // (S-45)
-  place->scale = std::clamp(learned, params_.min_scale, params_.max_scale);
+  place->scale = std::clamp(learned, params_.min_scale * place->start, params_.max_scale * place->start);
 }
 
 }  // namespace sightline::core

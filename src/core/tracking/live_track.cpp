@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "sightline/core/estimators/rate_prior.h"
 #include "sightline/core/model/sphere.h"
 
 namespace sightline::core {
@@ -15,10 +16,13 @@ namespace {
 constexpr double kInnovationMemory = 0.1;    // share of the newest innovation in the running mean
 constexpr double kLargestInnovation = 25.0;  // d^2 / 2 that one sighting may count for at most
 constexpr double kNoiseMargin = 1.5;         // by which the noise found may be too small by chance
-constexpr double kCertain = 0.95;            // probability from which a sighting is taken for the target's
-constexpr double kReturns = 0.5;             // of targets that are lost, those that return
-constexpr double kJumps = 0.05;              // of these, those that have jumped ...
-constexpr double kJumpStretch = 25.0;        // ... so much farther
+
+constexpr double kChangeOfRates = 0.5;  // of a tentative track, from look to look, as a share of the rates
+constexpr double kOrdinaryRate = 0.3;   // standard deviation of a new target's rates in clutter [rad/s]
+constexpr double kCertain = 0.95;       // probability from which a sighting is taken for the target's
+constexpr double kReturns = 0.5;        // of targets that are lost, those that return
+constexpr double kJumps = 0.05;         // of these, those that have jumped ...
+constexpr double kJumpStretch = 25.0;   // ... so much farther
 
 bool isUsable(const AngularState& state) {
   return state.mean.allFinite() && state.covariance.allFinite() &&
@@ -46,21 +50,31 @@ void joinTogether(const std::vector<PossibleSighting>& possible, const TrackPred
 }  // namespace
 
 LiveTrack::LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sighting,
-                     std::unique_ptr<Estimator> estimator, double odds)
+                     std::unique_ptr<Estimator> estimator, double odds, const RevisitTime& interval)
     : id_(id),
       estimator_(std::move(estimator), scan, sighting),
       lifecycle_(scan.time, odds),
       last_covariance_(estimator_.chart().covarianceOf(sighting)),
       last_noise_scale_(scan.noise_scale) {
   noteSource(scan, Eigen::Vector2d::Zero());
+  sensors_.noteInterval(scan.sensor, interval);
+  lifecycle_.setUnit(sensors_.unit(scan.time, 1.0, 0.0));
 }
 
 double LiveTrack::gateScale(bool adapt_gate) const {
   return adapt_gate ? std::max(1.0, innovation_scale_) : 1.0;
 }
 
-TrackPrediction LiveTrack::predict(const Scan& scan, double detection_probability,
-                                   const LifecycleParams& params, bool adapt_gate) {
+/// The unit of the track's time, by the sensors that see it. It stays when they have all fallen silent.
+void LiveTrack::updateUnit(Time time, const LifecycleParams& params) {
+  const double unit = sensors_.unit(time, params.delete_silence, lifecycle_.leastSilence());
+  if (unit > 0.0) lifecycle_.setUnit(unit);
+}
+
+TrackPrediction LiveTrack::predict(const Scan& scan, const ScanSensor& sensor, const LifecycleParams& params,
+                                   bool adapt_gate) {
+  sensors_.noteInterval(scan.sensor, sensor.interval);
+  updateUnit(scan.time, params);
   if (const auto J = estimator_.follow(scan.time)) {
     last_covariance_ = symmetric(*J * last_covariance_ * J->transpose());
     sensors_.rotate(*J);
@@ -71,17 +85,38 @@ TrackPrediction LiveTrack::predict(const Scan& scan, double detection_probabilit
   prediction.guards = lifecycle_.isEstablished() && lifecycle_.status() == TrackStatus::confirmed;
   prediction.chart = estimator_.chart();
   prediction.state = estimator_.stateInChart(scan.time);
+  if (!estimator_.knowsRates()) expectSecondLook(scan.time, sensor.is_clear, prediction);
+  if (lifecycle_.isTentative() && lifecycle_.hits() >= 2 && (sensor.is_clear || lifecycle_.unit() > 1.0)) {
+    const double h = seconds(scan.time - lifecycle_.lastSighting());
+    prediction.change_sigma = kChangeOfRates * prediction.state.rates().norm() * h;
+  }
   prediction.noise_scale = estimator_.noiseScale();
   prediction.innovation_scale = gateScale(adapt_gate);
   prediction.direction = prediction.chart.directionAt(prediction.state.angles());
   prediction.existence = lifecycle_.existence();
-  prediction.detection_probability = lifecycle_.detectionProbability(detection_probability);
+  prediction.detection_probability = lifecycle_.detectionProbability(sensor.detection_probability);
   const bool has_been_seen =
-      sensors_.hasSeen(scan.sensor, scan.time, lifecycle_.limit(params.delete_silence));
+      sensors_.hasSeen(scan.sensor, scan.time, params.delete_silence, lifecycle_.leastSilence());
   const bool looks_there = !scan.view || scan.view->holds(prediction.direction);
   prediction.is_in_view = has_been_seen && looks_there;
   prediction.visibility = !looks_there ? 0.0 : has_been_seen ? 1.0 : sensors_.visibility(scan.sensor);
   return prediction;
+}
+
+/// What is expected of a target that has been seen once. Among many false sightings, and often looked at,
+/// neither a very fast target nor one at rest can be told from two of them: there its rates are taken to be
+/// ordinary.
+// (S-93)
+void LiveTrack::expectSecondLook(Time time, bool is_clear, TrackPrediction& prediction) const {
+  const double h = seconds(time - lifecycle_.lastSighting());
+  const bool is_slow = lifecycle_.unit() > 1.0;
+  if (!is_clear && !is_slow) {
+    const InitialRate ordinary(kOrdinaryRate);
+    prediction.state = ordinary.stateAfter(h, prediction.state.angles(), last_covariance_);
+  } else if (h > 0.0) {
+    prediction.since_only_sighting = h;
+    prediction.only_sighting = last_covariance_;
+  }
 }
 
 void LiveTrack::update(const Scan& scan, const Sighting& sighting, const TrackPrediction& prediction,
@@ -96,8 +131,9 @@ void LiveTrack::update(const Scan& scan, const Sighting& sighting, const TrackPr
   stated.covariance = prediction.state.anglesCovariance() + prediction.noiseOf(sighting);
   const Eigen::Vector2d innovation = angleDifference(measurement.position, prediction.state.angles());
   const double seen = std::min(distanceSquared(stated, innovation) / 2.0, kLargestInnovation);
-  // (S-41)
-  if (measurement.is_certain) innovation_scale_ += kInnovationMemory * (seen - innovation_scale_);
+  // (S-41); of a target seen once nothing was predicted
+  const bool tells = measurement.is_certain && prediction.since_only_sighting == 0.0;
+  if (tells) innovation_scale_ += kInnovationMemory * (seen - innovation_scale_);
 
   estimator_.update(measurement);
   lifecycle_.noteSighting(scan.time, likelihood_ratio, prediction.is_in_view, params);
@@ -142,6 +178,20 @@ double LiveTrack::logDensityOfReturn(const LiveTrack& fresh, Time time) const {
   return std::log(kReturns) + larger + std::log(std::exp(calm - larger) + std::exp(jump - larger));
 }
 
+// (S-43), (S-92)
+double LiveTrack::logDensityOfBirth(Time time, double births) const {
+  const AngularState& state = estimator_.stateInChart(time);
+  const double log_position = std::log(births * std::cos(state.angles().y()));
+  return log_position +
+         rate_prior::logDensityOfRates(state.rates(), state.covariance.bottomRightCorner<2, 2>());
+}
+
+LiveTrack LiveTrack::branch(std::uint32_t id) const {
+  LiveTrack branch(*this);
+  branch.id_ = id;
+  return branch;
+}
+
 void LiveTrack::resume(const LiveTrack& lost) {
   id_ = lost.id_;
   lifecycle_.resume(lost.lifecycle_);
@@ -169,7 +219,7 @@ bool LiveTrack::isOver(Time time, const LifecycleParams& params, bool adapt_gate
   if (lifecycle_.isOver(time, params)) return true;
   const AngularState& state = estimator_.stateInChart(time);
   if (!isUsable(state)) return true;
-  return !lifecycle_.isTentative() && spread(state, adapt_gate) > params.max_spread;
+  return !lifecycle_.isTentative() && spread(state, adapt_gate) > params.max_spread * lifecycle_.unit();
 }
 
 Track LiveTrack::report(Time time, const GateParams& gate, bool adapt_gate,
@@ -181,7 +231,7 @@ Track LiveTrack::report(Time time, const GateParams& gate, bool adapt_gate,
   track.hits = lifecycle_.hits();
   track.misses = lifecycle_.misses();
   track.existence = lifecycle_.existence();
-  track.sources = sensors_.names(time, lifecycle_.limit(params.delete_silence));
+  track.sources = sensors_.names(time, params.delete_silence, lifecycle_.leastSilence());
 
   AngularState state = estimator_.stateInChart(time);
   state.covariance.diagonal().head<2>() += sensors_.slowErrorVariance(time);

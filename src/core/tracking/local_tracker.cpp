@@ -6,15 +6,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/core/tracking/second_looks.h"
 #include "sightline/core/tracking/usable_sightings.h"
 
 namespace sightline::core {
 namespace {
 
-/// Density of the rates of a new target, as far as is known: 0.3 rad/s in each angle [1/(rad/s)^2].
-constexpr double kBirthRateDensity = 1.0 / (2.0 * 3.14159265358979 * 0.3 * 0.3);
-constexpr std::size_t kMostScans = 4096;  // that can be processed again
-constexpr int kStatesPerLag = 8;          // that are kept for rolling back
+constexpr std::size_t kMostScans = 4096;      // that can be processed again
+constexpr std::uint32_t kHitsOfTracking = 6;  // of a track that is none by chance
+constexpr int kStatesPerLag = 8;              // that are kept for rolling back
 
 /// The scan with its noise taken for `noise_scale` times as large.
 Scan withNoise(const Scan& scan, double noise_scale) {
@@ -173,8 +173,9 @@ LocalTracker::AssociatedScan LocalTracker::predictAndAssociate(std::size_t k) {
   state_.time = scan.time;
   deleteTracks();
   associated.predictions = predict(scan);
-  associated.result = associate(associated.used, associated.predictions, params_.gate,
-                                state_.detection.clutterDensity(scan), params_.association);
+  associated.result =
+      associate(associated.used, associated.predictions, params_.gate, state_.detection.clutterDensity(scan),
+                params_.association, isClear(scan, state_.tracks, state_.detection.clutter(scan)));
   if (!params_.guard.enabled) return associated;
   associated.corroboration.reserve(state_.tracks.size());
   for (const LiveTrack& track : state_.tracks)
@@ -188,11 +189,18 @@ std::vector<Association> LocalTracker::updateTracks(AssociatedScan& associated) 
   const std::vector<std::uint32_t> confirmed = updateOrMiss(associated);
   if (!associated.is_excluded) learnDetection(associated);
   for (const std::uint32_t id : confirmed) reacquire(id, associated);
+  startBranches(associated);
   startTracks(associated);
   deleteDuplicates(associated);
   deleteTracks();
+  const bool is_tracking =
+      std::any_of(state_.tracks.begin(), state_.tracks.end(), [](const LiveTrack& track) {
+        return !track.lifecycle().isTentative() && track.lifecycle().hits() >= kHitsOfTracking;
+      });
+  if (!is_tracking) state_.calibration.takeUntracked(scans_[scans_.next()].item);
   return std::move(associated.result.decisions);
 }
+
 /// Takes the sightings of an excluded sensor away from the tracks that others see too. What is explained by
 /// the sensor's bias as a sighting of such a track starts no track of its own.
 void LocalTracker::leaveOut(AssociatedScan& associated) const {
@@ -218,16 +226,18 @@ void LocalTracker::leaveOut(AssociatedScan& associated) const {
 }
 
 std::vector<TrackPrediction> LocalTracker::predict(const Scan& scan) {
-  const double detection_probability = state_.detection.probability(scan);
+  const ScanSensor sensor{state_.detection.probability(scan), state_.detection.interval(scan),
+                          isClear(scan, state_.tracks, state_.detection.clutter(scan))};
   const double stamp_variance = state_.guard.clockVariance(scan.sensor);
   std::vector<TrackPrediction> predictions;
   predictions.reserve(state_.tracks.size());
   for (LiveTrack& track : state_.tracks) {
-    predictions.push_back(track.predict(scan, detection_probability, params_.lifecycle, params_.adapt_gate));
+    predictions.push_back(track.predict(scan, sensor, params_.lifecycle, params_.adapt_gate));
     if (stamp_variance <= 0.0) continue;
     const Eigen::Vector2d rates = predictions.back().state.rates();
     predictions.back().stamp_covariance = stamp_variance * rates * rates.transpose();
   }
+  keepApart(predictions);
   return predictions;
 }
 
@@ -300,8 +310,9 @@ void LocalTracker::reacquire(std::uint32_t id, AssociatedScan& associated) {
   for (auto missing = tracks.begin(); missing != tracks.end(); ++missing) {
     if (!missing->lifecycle().isMissing()) continue;
     const double silence = seconds(scan.time - missing->lifecycle().lastSighting());
-    const double new_targets = state_.detection.birthDensity(scan, silence) * kBirthRateDensity;
-    const double gain = missing->logDensityOfReturn(*fresh, scan.time) - std::log(new_targets);
+    const double births = state_.detection.birthDensity(scan, silence);
+    const double gain =
+        missing->logDensityOfReturn(*fresh, scan.time) - fresh->logDensityOfBirth(scan.time, births);
     if (gain <= most) continue;
     most = gain;
     likeliest = missing;
@@ -316,10 +327,20 @@ void LocalTracker::reacquire(std::uint32_t id, AssociatedScan& associated) {
             [](const LiveTrack& a, const LiveTrack& b) { return a.id() < b.id(); });
 }
 
+/// Second tracks of targets seen once, for sightings that may be theirs.
+void LocalTracker::startBranches(const AssociatedScan& associated) {
+  std::vector<LiveTrack> branches = branchesOf(state_.tracks, associated.used, associated.predictions,
+                                               associated.result, params_.lifecycle, state_.next_id);
+  for (LiveTrack& branch : branches)
+    if (state_.tracks.size() < static_cast<std::size_t>(params_.max_tracks))
+      state_.tracks.push_back(std::move(branch));
+}
+
 /// Sightings that nobody claims start tracks of their own, while there is room.
 void LocalTracker::startTracks(AssociatedScan& associated) {
   const Scan& scan = associated.used;
   const double odds = state_.detection.newTargetOdds(scan);
+  const RevisitTime interval = state_.detection.interval(scan);
   for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
     const bool has_room = state_.tracks.size() < static_cast<std::size_t>(params_.max_tracks);
     if (!associated.result.may_start[j]) continue;
@@ -332,7 +353,7 @@ void LocalTracker::startTracks(AssociatedScan& associated) {
       continue;
     }
     const std::uint32_t id = state_.next_id++;
-    state_.tracks.emplace_back(id, scan, scan.sightings[j], makeEstimator(params_.estimator), odds);
+    state_.tracks.emplace_back(id, scan, scan.sightings[j], makeEstimator(params_.estimator), odds, interval);
     decision.track = id;
     decision.decision = Decision::started_track;
   }

@@ -14,8 +14,13 @@ constexpr double kSeenAgain = 0.9;       // existence from which a lost track is
 
 }  // namespace
 
+double TrackLifecycle::leastSilence() const {
+  return kPaces * interval_;
+}
+
+/// A limit on silence, given in units of time, as it counts for this track [s].
 double TrackLifecycle::limit(double silence) const {
-  return std::max(silence, kPaces * interval_);
+  return silence > 0.0 ? std::max(silence * unit_, leastSilence()) : leastSilence();
 }
 
 // (S-40)
@@ -47,7 +52,7 @@ void TrackLifecycle::noteMiss(Time time, double likelihood_ratio, bool is_expect
 }
 
 void TrackLifecycle::weigh(Time time, double likelihood_ratio, const LifecycleParams& params) {
-  existence_.pass(seconds(time - weighed_), params.presence);
+  existence_.pass(seconds(time - weighed_) / unit_, params.presence);
   existence_.weigh(likelihood_ratio);
   weighed_ = time;
 }

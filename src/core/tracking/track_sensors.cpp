@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace sightline::core {
 namespace {
@@ -22,7 +23,10 @@ void TrackSensors::noteSighting(const std::string& sensor, Time time, const Eige
                              [&](const Source& known) { return known.sensor == sensor; });
   if (source == sources_.end()) {
     if (sources_.size() >= kMostSources) return;
-    source = sources_.insert(source, Source{sensor, time, innovation, 0.0, Eigen::Vector2d::Zero()});
+    source = sources_.insert(source, Source{});
+    source->sensor = sensor;
+    source->last_sighting = time;
+    source->innovation = innovation;
   }
   source->innovation += kSourceMemory * (innovation - source->innovation);
   source->information *= std::exp(-seconds(time - source->last_sighting) / kInformationMemory);
@@ -50,9 +54,36 @@ void TrackSensors::setVisibility(const std::string& sensor, double visibility) {
   if (non_detecting_.size() < kMostSources) non_detecting_.push_back({sensor, visibility});
 }
 
-bool TrackSensors::hasSeen(const std::string& sensor, Time time, double silence) const {
+void TrackSensors::noteInterval(const std::string& sensor, const RevisitTime& interval) {
+  for (Source& source : sources_)
+    if (source.sensor == sensor) source.interval = interval;
+}
+
+double TrackSensors::unitOf(const Source& source) {
+  if (!source.interval.isKnown()) return std::numeric_limits<double>::infinity();
+  return source.interval.unit(0.0);
+}
+
+bool TrackSensors::isRecent(const Source& source, Time time, double units, double least) {
+  return seconds(time - source.last_sighting) <= std::max(units * unitOf(source), least);
+}
+
+// (S-91)
+double TrackSensors::unit(Time time, double units, double least) const {
+  const bool is_known = std::any_of(sources_.begin(), sources_.end(),
+                                    [](const Source& source) { return source.interval.isKnown(); });
+  if (!is_known) return std::numeric_limits<double>::infinity();
+  double unit = 0.0;
+  for (const Source& source : sources_) {
+    if (source.interval.isKnown() && isRecent(source, time, units, least))
+      unit = std::max(unit, unitOf(source));
+  }
+  return unit;
+}
+
+bool TrackSensors::hasSeen(const std::string& sensor, Time time, double units, double least) const {
   return std::any_of(sources_.begin(), sources_.end(), [&](const Source& source) {
-    return source.sensor == sensor && seconds(time - source.last_sighting) <= silence;
+    return source.sensor == sensor && isRecent(source, time, units, least);
   });
 }
 
@@ -95,10 +126,10 @@ Eigen::Vector2d TrackSensors::slowErrorVariance(Time time) const {
   return sum > 0.0 ? Eigen::Vector2d(variance / (sum * sum)) : variance;
 }
 
-std::vector<std::string> TrackSensors::names(Time time, double silence) const {
+std::vector<std::string> TrackSensors::names(Time time, double units, double least) const {
   std::vector<std::string> names;
   for (const Source& source : sources_) {
-    if (seconds(time - source.last_sighting) <= silence) names.push_back(source.sensor);
+    if (isRecent(source, time, units, least)) names.push_back(source.sensor);
   }
   std::sort(names.begin(), names.end());
   return names;

@@ -36,7 +36,7 @@ Enum chosen(const ParamReader& reader, const std::string& key, Enum fallback, co
 }
 
 double initialRateSigma(const ParamReader& reader, double fallback) {
-  return reader.number("initial_rate_sigma", fallback, above(0.0), "rad/s");
+  return reader.number("initial_rate_sigma", fallback, atLeast(0.0), "rad/s");
 }
 
 core::ProcessNoise loadProcessNoise(const ParamReader& reader, const core::ProcessNoise& fallback,

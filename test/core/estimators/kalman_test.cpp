@@ -81,7 +81,7 @@ TEST(Kalman, RefusesParametersOutOfRange) {
   bad.process_noise_ratio = 0.0;
   EXPECT_THROW(KalmanEstimator{bad}, std::invalid_argument);
   bad = {};
-  bad.initial_rate_sigma = 0.0;
+  bad.initial_rate_sigma = -0.1;
   EXPECT_THROW(KalmanEstimator{bad}, std::invalid_argument);
 }
 

@@ -177,7 +177,7 @@ TEST(Noga, RefusesParametersOutOfRange) {
   EXPECT_THROW(NogaEstimator{printed(2)}, std::invalid_argument);
   EXPECT_THROW(NogaEstimator{printed(63)}, std::invalid_argument);
   NogaParams no_rate;
-  no_rate.initial_rate_sigma = 0.0;
+  no_rate.initial_rate_sigma = -0.1;
   EXPECT_THROW(NogaEstimator{no_rate}, std::invalid_argument);
 }
 

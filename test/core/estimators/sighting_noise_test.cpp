@@ -57,9 +57,9 @@ TEST(SightingNoise, TurnsWithTheCoordinates) {
 }
 
 TEST(ProcessNoise, IsAbsoluteWhereADensityIsGivenAndInProportionToTheSightingsOtherwise) {
-  EXPECT_EQ((ProcessNoise{0.3, 50.0}.densityFor(round(0.1))),
+  EXPECT_EQ((ProcessNoise{0.3, 50.0}.accelerationFor(round(0.1), 1.0)),
             Eigen::Matrix2d(0.3 * Eigen::Matrix2d::Identity()));
-  EXPECT_TRUE((ProcessNoise{0.0, 50.0}.densityFor(round(0.1)).isApprox(round(0.1) * 50.0)));
+  EXPECT_TRUE((ProcessNoise{0.0, 50.0}.accelerationFor(round(0.1), 1.0).isApprox(round(0.1) * 50.0)));
 }
 
 }  // namespace

@@ -140,7 +140,9 @@ TEST(Twbls, ASlowSensorKeepsItsLastSightings) {
 }
 
 TEST(Twbls, RatesBeforeTheyAreKnownComeFromThePrior) {
-  TwblsEstimator estimator{TwblsParams{}};
+  TwblsParams params;
+  params.initial_rate_sigma = 0.3;
+  TwblsEstimator estimator{params};
   EXPECT_FALSE(estimator.stateAt(Time{}));
   estimator.update(sighting(0.0, 0.2, 0.1));
   const AngularState once = *estimator.stateAt(Time{});

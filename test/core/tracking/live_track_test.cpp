@@ -18,6 +18,15 @@ using Eigen::Vector2d;
 constexpr double kSigma = 1e-3;     // of every sighting [rad]
 constexpr double kInterval = 0.05;  // between scans [s]
 
+/// A sensor that looks every kInterval.
+RevisitTime usual() {
+  RevisitTime interval;
+  interval.note(kInterval);
+  return interval;
+}
+
+const ScanSensor kSensor{0.9, usual(), true};
+
 Scan scanAt(double t, const Vector2d& angles, const std::string& sensor = "eye") {
   Scan scan;
   scan.time = Time(durationOf(t));
@@ -44,7 +53,7 @@ class Drifting {
   void follow(int from, int to, const std::string& sensor = "eye") {
     for (int k = from; k < to; ++k) {
       const Scan scan = scanAt(kInterval * k, truth(kInterval * k), sensor);
-      const TrackPrediction prediction = track.predict(scan, 0.9, {}, true);
+      const TrackPrediction prediction = track.predict(scan, kSensor, {}, true);
       track.update(scan, scan.sightings[0], prediction, {}, 1000.0, {});
     }
   }
@@ -52,7 +61,7 @@ class Drifting {
  private:
   static LiveTrack makeTrack(std::uint32_t id, double azimuth) {
     const Scan first = scanAt(0.0, {azimuth, 0.1});
-    return LiveTrack(id, first, first.sightings[0], makeEstimator(kalman()), 1e-3);
+    return LiveTrack(id, first, first.sightings[0], makeEstimator(kalman()), 1e-3, usual());
   }
 
   double azimuth_;
@@ -118,9 +127,9 @@ TEST(LiveTrack, ASensorThatHasSeenTheTargetIsExpectedToSeeItUnlessItLooksElsewhe
   Drifting target(1);
   target.follow(1, 20);
   Scan scan = scanAt(1.0, target.truth(1.0));
-  EXPECT_TRUE(target.track.predict(scan, 0.9, {}, true).is_in_view);
-  EXPECT_EQ(target.track.predict(scan, 0.9, {}, true).visibility, 1.0);
-  const TrackPrediction of_other = target.track.predict(scanAt(1.0, {0.0, 0.0}, "new"), 0.9, {}, true);
+  EXPECT_TRUE(target.track.predict(scan, kSensor, {}, true).is_in_view);
+  EXPECT_EQ(target.track.predict(scan, kSensor, {}, true).visibility, 1.0);
+  const TrackPrediction of_other = target.track.predict(scanAt(1.0, {0.0, 0.0}, "new"), kSensor, {}, true);
   EXPECT_FALSE(of_other.is_in_view);
   EXPECT_EQ(of_other.visibility, 0.5);
 }
@@ -129,10 +138,10 @@ TEST(LiveTrack, AMissOfASensorThatSeesTheTargetCountsAndOneOfAnotherDoesNot) {
   Drifting target(1);
   target.follow(1, 20);
   const Scan other = scanAt(1.0, {0.0, 0.0}, "new"), own = scanAt(1.0, {0.0, 0.0});
-  target.track.miss(other, target.track.predict(other, 0.9, {}, true), 0.6, {});
+  target.track.miss(other, target.track.predict(other, kSensor, {}, true), 0.6, {});
   EXPECT_EQ(target.track.lifecycle().misses(), 0u);
-  EXPECT_LT(target.track.predict(other, 0.9, {}, true).visibility, 0.5);
-  target.track.miss(own, target.track.predict(own, 0.9, {}, true), 0.1, {});
+  EXPECT_LT(target.track.predict(other, kSensor, {}, true).visibility, 0.5);
+  target.track.miss(own, target.track.predict(own, kSensor, {}, true), 0.1, {});
   EXPECT_EQ(target.track.lifecycle().misses(), 1u);
 }
 
@@ -176,10 +185,10 @@ TEST(LiveTrack, FollowsATargetAcrossChartsAndTakesItsSensorsAlong) {
     return scan;
   };
   const Scan first = scanOf(0.0);
-  LiveTrack track(1, first, first.sightings[0], makeEstimator(kalman()), 1e-3);
+  LiveTrack track(1, first, first.sightings[0], makeEstimator(kalman()), 1e-3, usual());
   for (int k = 1; k <= 80; ++k) {
     const Scan scan = scanOf(kInterval * k);
-    track.update(scan, scan.sightings[0], track.predict(scan, 0.9, {}, true), {}, 1000.0, {});
+    track.update(scan, scan.sightings[0], track.predict(scan, kSensor, {}, true), {}, 1000.0, {});
     EXPECT_FALSE(track.isOver(scan.time, {}, true));
   }
   const Track report = reportOf(track, 4.0);

@@ -1,5 +1,7 @@
 #include "sightline/core/tracking/track_lifecycle.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 namespace sightline::core {
@@ -107,12 +109,31 @@ TEST(TrackLifecycle, AskingWhetherItIsOverChangesNothing) {
   EXPECT_EQ(track.status(), TrackStatus::confirmed);
 }
 
-TEST(TrackLifecycle, LimitsOnSilenceAreAtLeastFourUsualIntervals) {
-  TrackLifecycle slow(at(0.0), 1e-3);
-  for (int k = 1; k < 10; ++k) slow.noteSighting(at(2.0 * k), kSeen, true, {});
-  EXPECT_DOUBLE_EQ(slow.interval(), 2.0);
-  EXPECT_DOUBLE_EQ(slow.limit(0.3), 8.0);
-  EXPECT_DOUBLE_EQ(slow.limit(10.0), 10.0);
+TEST(TrackLifecycle, LimitsOnSilenceAreInUnitsOfTimeAndAtLeastFourUsualIntervals) {
+  const LifecycleParams params;  // coasts after 0.3 units, lost after 2
+  for (const double unit : {1.0, 30.0}) {
+    TrackLifecycle track(at(0.0), 1e-3);
+    track.setUnit(unit);
+    for (int k = 1; k < 10; ++k) track.noteSighting(at(0.2 * unit * k), kSeen, true, params);
+    EXPECT_DOUBLE_EQ(track.leastSilence(), 0.8 * unit);
+    const auto statusAfter = [&](double silence) {
+      TrackLifecycle later = track;
+      later.updateStatus(at(1.8 * unit + silence), params);
+      return later.isLost() ? TrackStatus::tentative : later.status();  // tentative stands for lost here
+    };
+    EXPECT_EQ(statusAfter(0.79 * unit), TrackStatus::confirmed);
+    EXPECT_EQ(statusAfter(0.81 * unit), TrackStatus::coasting);
+    EXPECT_EQ(statusAfter(1.99 * unit), TrackStatus::coasting);
+    EXPECT_EQ(statusAfter(2.01 * unit), TrackStatus::tentative);
+  }
+}
+
+TEST(TrackLifecycle, WhileNoIntervalIsKnownSilenceMeansNothing) {
+  TrackLifecycle track(at(0.0), 1.0);
+  track.setUnit(std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(track.isOver(at(1e6), {}));
+  track.noteMiss(at(600.0), 0.1, true, {});
+  EXPECT_GT(track.existence(), 0.05) << "a miss is a miss, the time until it is nothing";
 }
 
 TEST(TrackLifecycle, AMissThatWasNotExpectedToShowTheTargetIsNotCounted) {

@@ -1,5 +1,6 @@
 #include "sightline/core/tracking/track_sensors.h"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,16 @@ Time at(double t) {
   return Time(durationOf(t));
 }
 
+RevisitTime every(double interval) {
+  RevisitTime revisit;
+  revisit.note(interval);
+  return revisit;
+}
+
 void sight(TrackSensors& sensors, const std::string& sensor, double t, const Vector2d& innovation,
            double variance = 1e-6, const Vector2d& slow_error = Vector2d::Zero()) {
   sensors.noteSighting(sensor, at(t), innovation, variance * Matrix2d::Identity(), slow_error);
+  sensors.noteInterval(sensor, every(0.1));
 }
 
 TEST(TrackSensors, NamesThoseThatHaveSeenTheTargetLatelyInOrder) {
@@ -25,10 +33,40 @@ TEST(TrackSensors, NamesThoseThatHaveSeenTheTargetLatelyInOrder) {
   sight(sensors, "c", 3.0, {0.0, 0.0});
   sight(sensors, "a", 4.0, {0.0, 0.0});
   sight(sensors, "b", 1.0, {0.0, 0.0});
-  EXPECT_EQ(sensors.names(at(4.0), 2.0), (std::vector<std::string>{"a", "c"}));
-  EXPECT_TRUE(sensors.hasSeen("b", at(3.0), 2.0));
-  EXPECT_FALSE(sensors.hasSeen("b", at(3.1), 2.0));
-  EXPECT_FALSE(sensors.hasSeen("d", at(3.0), 2.0));
+  EXPECT_EQ(sensors.names(at(4.0), 2.0, 0.0), (std::vector<std::string>{"a", "c"}));
+  EXPECT_TRUE(sensors.hasSeen("b", at(3.0), 2.0, 0.0));
+  EXPECT_FALSE(sensors.hasSeen("b", at(3.1), 2.0, 0.0));
+  EXPECT_FALSE(sensors.hasSeen("d", at(3.0), 2.0, 0.0));
+}
+
+TEST(TrackSensors, WhatIsLatelyGoesByThePaceOfEachSensor) {
+  TrackSensors sensors;
+  sight(sensors, "camera", 0.0, {0.0, 0.0});
+  sight(sensors, "telescope", 0.0, {0.0, 0.0});
+  sensors.noteInterval("telescope", every(60.0));
+  EXPECT_DOUBLE_EQ(sensors.unit(at(1.0), 2.0, 0.0), 180.0);
+  EXPECT_EQ(sensors.names(at(3.0), 2.0, 0.0), std::vector<std::string>{"telescope"});
+  EXPECT_EQ(sensors.names(at(3.0), 2.0, 4.0), (std::vector<std::string>{"camera", "telescope"}));
+  EXPECT_TRUE(sensors.hasSeen("telescope", at(359.0), 2.0, 0.0));
+  EXPECT_FALSE(sensors.hasSeen("telescope", at(361.0), 2.0, 0.0));
+  EXPECT_EQ(sensors.unit(at(361.0), 2.0, 0.0), 0.0);
+}
+
+TEST(TrackSensors, ASensorThatHasLookedOnceDoesNotHoldUpTheOthers) {
+  TrackSensors sensors;
+  sight(sensors, "camera", 0.0, {0.0, 0.0});
+  sight(sensors, "eye", 0.0, {0.0, 0.0});
+  sensors.noteInterval("eye", {});
+  EXPECT_DOUBLE_EQ(sensors.unit(at(1.0), 2.0, 0.0), 1.0);
+  EXPECT_EQ(sensors.unit(at(9.0), 2.0, 0.0), 0.0);
+}
+
+TEST(TrackSensors, ASensorThatHasLookedOnceIsNeverSilent) {
+  TrackSensors sensors;
+  sight(sensors, "eye", 0.0, {0.0, 0.0});
+  sensors.noteInterval("eye", {});
+  EXPECT_TRUE(std::isinf(sensors.unit(at(1e6), 2.0, 0.0)));
+  EXPECT_TRUE(sensors.hasSeen("eye", at(1e6), 2.0, 0.0));
 }
 
 TEST(TrackSensors, ASensorThatKeepsMissingTheTargetProbablyCannotSeeIt) {
@@ -110,7 +148,7 @@ TEST(TrackSensors, NoMoreThanSixtyFourSensorsAreKept) {
     sight(sensors, "sensor " + std::to_string(k), 1.0, {1e-3, 1e-3});
     sensors.noteMiss("blind " + std::to_string(k), 0.5, 0.9);
   }
-  EXPECT_EQ(sensors.names(at(1.0), 1.0).size(), 64u);
+  EXPECT_EQ(sensors.names(at(1.0), 1.0, 0.0).size(), 64u);
   EXPECT_LT(sensors.visibility("blind 63"), 0.5);
   EXPECT_DOUBLE_EQ(sensors.visibility("blind 64"), 0.5);
 }

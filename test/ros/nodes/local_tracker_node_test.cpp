@@ -73,10 +73,10 @@ class LocalTrackerNode : public testing::Test {
   }
 
   /// Lets a target stay at `azimuth` for some scans; returns the stamp of the last one.
-  ros::Time showTarget(double azimuth, const std::string& frame = "platform_enu") {
-    const ros::Time start = ros::Time::now();
+  ros::Time showTarget(double azimuth, const std::string& frame = "platform_enu", int scans = 8) {
+    const ros::Time start = ros::Time::now() - ros::Duration(0.01 * (scans - 8));
     ros::Time stamp;
-    for (int i = 0; i < 8; ++i) {
+    for (int i = 0; i < scans; ++i) {
       stamp =
           start + ros::Duration(0.01 * i);  // the last ones are ahead of the clock by less than max_future
       a_.publish(scan(stamp, {azimuth}, frame));
@@ -182,10 +182,10 @@ TEST_F(LocalTrackerNode, StampsAheadOfTheClockAndRepeatedScansAreRefusedAndCount
 }
 
 TEST_F(LocalTrackerNode, TargetOfASensorThatWasSilentIsFoundAgainUnderANewId) {
-  const ros::Time before = showTarget(0.9);
+  const ros::Time before = showTarget(0.9, "platform_enu", 40);  // enough of them to know the sensor's pace
   ASSERT_TRUE(eventually([&] { return confirmed(tracks_, before, 0.9) != nullptr; }));
   const auto old_id = confirmed(tracks_, before, 0.9)->id;
-  const ros::Time back = ros::Time::now() + ros::Duration(4.0);
+  const ros::Time back = ros::Time::now() + ros::Duration(6.0);  // longer than a lost target is remembered
   ASSERT_TRUE(eventually([&] { return ros::Time::now() > back; }));
   const ros::Time after = showTarget(0.9);
   ASSERT_TRUE(eventually([&] { return confirmed(tracks_, after, 0.9) != nullptr; }));

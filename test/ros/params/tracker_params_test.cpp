@@ -92,7 +92,7 @@ TEST(TrackerParams, WhatIsOutOfRangeIsRefused) {
                             "twbls: {consistent: {max_sightings: 2}}",
                             "twbls: {paper: {min_sightings: 200}}",
                             "twbls: {paper: {decay: 0.0}}",
-                            "twbls: {consistent: {initial_rate_sigma: 0.0}}",
+                            "twbls: {consistent: {initial_rate_sigma: -0.1}}",
                             "noga: {paper: {rows: 2}}",
                             "noga: {form: best}",
                             "noga: {consistent: {outlier_share: 1.0}}",

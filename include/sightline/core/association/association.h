@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sightline/core/association/clusters.h"
 #include "sightline/core/association/equivalent_sighting.h"
 #include "sightline/core/association/gate.h"
 #include "sightline/core/model/sighting.h"
@@ -28,6 +29,9 @@ struct AssociationResult {
   /// 1 - P_D + P_D N(innovation; 0, S) / clutter density, 1 - P_D without a sighting, with P_D times
   /// `visibility`.
   std::vector<double> evidence;
+  /// Pairs of a target seen once and a sighting that may be its second one, though it is more likely that it
+  /// was missed and the sighting is another's.
+  std::vector<GatedPair> second_looks;
   std::vector<bool> may_start;  ///< for each sighting: free, and in no guarded gate
   std::vector<Association>
       decisions;  ///< for each sighting; those that may start a track are OUTSIDE_GATE still
@@ -43,9 +47,11 @@ struct AssociationResult {
 /// With `jpda` the same assignment says which sighting is recorded as whose and who has missed; what moves
 /// the states of the believed tracks, and their evidence, are the joint probabilities of all assignments.
 ///
-/// `clutter_density`: of the scan's false sightings [1/sr], > 0.
+/// `clutter_density`: of the scan's false sightings [1/sr], > 0. `with_branches`: whether second looks that
+/// are less likely than a miss are listed.
 AssociationResult associate(const Scan& scan, const std::vector<TrackPrediction>& predictions,
                             const GateParams& gate, double clutter_density,
-                            AssociationMethod method = AssociationMethod::nearest);
+                            AssociationMethod method = AssociationMethod::nearest,
+                            bool with_branches = false);
 
 }  // namespace sightline::core

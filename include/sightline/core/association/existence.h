@@ -2,12 +2,13 @@
 
 namespace sightline::core {
 
-/// How targets come and go in view, as rates of chance.
+/// How targets come and go in view, as rates of chance. Times in units of the track's time, see
+/// LifecycleParams.
 struct PresenceParams {
-  double mean_life = 300.0;    ///< until a target in view leaves for good [s], > 0
-  double mean_shown = 600.0;   ///< until it is hidden, by a cloud or by fading [s], > 0
-  double mean_hidden = 1.0;    ///< until a hidden one is seen again, if it is there still [s], > 0
-  double mean_patience = 2.0;  ///< until a hidden one leaves for good [s], > 0
+  double mean_life = 300.0;    ///< until a target in view leaves for good [units], > 0
+  double mean_shown = 600.0;   ///< until it is hidden, by a cloud or by fading [units], > 0
+  double mean_hidden = 1.0;    ///< until a hidden one is seen again, if it is there still [units], > 0
+  double mean_patience = 2.0;  ///< until a hidden one leaves for good [units], > 0
 };
 
 /// The probability that a track follows a target, by all that was seen and not seen of it: integrated
@@ -23,7 +24,7 @@ class Existence {
   /// `odds`: of a target against clutter at the start, > 0 and finite.
   explicit Existence(double odds);
 
-  /// Time goes by [s].
+  /// Time goes by [units of time].
   void pass(double duration, const PresenceParams& presence);
 
   /// A scan in which a target that can be seen would have given what was seen `ratio` times as often as

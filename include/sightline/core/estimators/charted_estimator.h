@@ -55,6 +55,9 @@ class ChartedEstimator {
 
   const Chart& chart() const { return chart_; }
 
+  /// Whether anything is known of the target's rates: see Estimator::knowsRates.
+  bool knowsRates() const { return estimator_->knowsRates(); }
+
   /// Variance of the sightings' white noise over the stated one, in each coordinate of the chart [1].
   Eigen::Vector2d noiseScale() const { return estimator_->noiseScale(); }
 

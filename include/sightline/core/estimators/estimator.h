@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -27,6 +28,14 @@ struct Measurement {
 /// The same sighting in a chart whose frame is turned by R_new_old.
 Measurement rotate(const Measurement& measurement, const Eigen::Matrix3d& R_new_old);
 
+/// `angle` plus so many whole turns as bring it within half a turn of `other` [rad].
+double nextTo(double other, double angle);
+
+/// The same window of sightings, oldest first, in a chart whose frame is turned by R_new_old. A target may
+/// have gone round its sensor within it: azimuths go on from that of the newest sighting, beyond +-pi as
+/// well.
+void rotate(std::vector<Measurement>& window, const Eigen::Matrix3d& R_new_old);
+
 /// The one virtual interface: sightings of one target in, its motion out. Coordinates are those of the
 /// track's chart throughout; time only moves forward (late data are put in their place by the tracker).
 class Estimator {
@@ -44,6 +53,11 @@ class Estimator {
   /// Motion expected at `time`, usually at or after the last sighting; nullopt before the first sighting.
   /// The covariance is symmetric positive definite.
   virtual std::optional<AngularState> stateAt(Time time) const = 0;
+
+  /// Whether anything is known of the target's rates; not while one instant has been seen and no prior is
+  /// given. Until then the covariance of `stateAt` says what is not known by one normal distribution, which
+  /// is a poor picture of it: see rate_prior.
+  virtual bool knowsRates() const = 0;
 
   /// Variance of the sightings' white noise over the stated one in each coordinate, as far as the estimator
   /// has learnt it [1]: see `noiseCovariance`.

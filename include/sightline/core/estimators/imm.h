@@ -7,6 +7,8 @@
 
 #include "sightline/core/estimators/estimator.h"
 #include "sightline/core/estimators/mode_chain.h"
+#include "sightline/core/estimators/rate_prior.h"
+#include "sightline/core/estimators/revisit_time.h"
 #include "sightline/core/estimators/sighting_noise.h"
 #include "sightline/core/model/kinematics.h"
 
@@ -25,17 +27,18 @@ struct ImmParams {
   /// 1 to kMaxModes. The default bank is free of the angular scale: straight flight, manoeuvre, curve, hard
   /// curve.
   std::vector<ImmModel> models = defaultImmModels();
-  double dwell = 3.0;                       ///< mean time between changes of the model [s], > 0
-  double initial_rate_sigma = 0.3;          ///< of each rate before the second sighting [rad/s], > 0
-  double initial_acceleration_sigma = 1.0;  ///< of each acceleration before the third sighting [rad/s^2], > 0
+  double dwell = 3.0;               ///< mean time between changes of the model [units of time], > 0
+  double initial_rate_sigma = 0.0;  ///< of each rate at first [rad/s], >= 0; 0 = not known (InitialRate)
+  /// Of each acceleration before the third sighting [rad/unit of time^2], > 0.
+  double initial_acceleration_sigma = 1.0;
 };
 
 /// Interacting multiple models: constant-velocity and constant-acceleration Kalman filters of different
 /// process noise on the state (position, rate, acceleration), coupled in both channels, with one mode chain
-/// for the target.
+/// for the target. The unit of time is that of RevisitTime.
 ///
 /// A constant-velocity model does not know its acceleration. It is taken to be zero with the variance that
-/// the jerk of the mildest constant-acceleration model builds up in one second: with that a
+/// the jerk of the mildest constant-acceleration model builds up in one unit of time: with that a
 /// constant-acceleration model starts when the mode changes.
 class ImmEstimator final : public Estimator {
  public:
@@ -45,6 +48,7 @@ class ImmEstimator final : public Estimator {
   std::unique_ptr<Estimator> clone() const override;
   void update(const Measurement& measurement) override;
   std::optional<AngularState> stateAt(Time time) const override;
+  bool knowsRates() const override { return !rate_.isOpen(); }
   void rotate(const Eigen::Matrix3d& R_new_old) override;
 
   /// Probability of each model by the sightings so far, in the order of ImmParams::models.
@@ -56,13 +60,16 @@ class ImmEstimator final : public Estimator {
   ImmEstimator(const ImmEstimator&) = default;
   int modes() const { return static_cast<int>(params_.models.size()); }
   Motions predicted(double h) const;
-  Eigen::Matrix2d unknownAcceleration() const;
+  void setUnknown(double h);
+  Eigen::Matrix2d unknownAcceleration(double unit) const;
 
   ImmParams params_;
   ModeChain chain_;
   std::optional<Time> time_;  // of the last sighting
   Motions motions_;           // then, by each model
   SightingNoise noise_;
+  RevisitTime revisit_;
+  InitialRate rate_;
 };
 
 }  // namespace sightline::core

@@ -4,6 +4,8 @@
 #include <optional>
 
 #include "sightline/core/estimators/estimator.h"
+#include "sightline/core/estimators/rate_prior.h"
+#include "sightline/core/estimators/revisit_time.h"
 #include "sightline/core/estimators/sighting_noise.h"
 #include "sightline/core/model/kinematics.h"
 
@@ -12,9 +14,10 @@ namespace sightline::core {
 struct KalmanParams {
   /// Spectral density of the white acceleration of each angle [rad^2/s^3], >= 0; 0 = by process_noise_ratio.
   double process_noise = 0.0;
-  /// Density / sigma^2 of the sightings [1/s^3], > 0, where process_noise is 0: free of the angular scale.
+  /// Density / sigma^2 of the sightings [1/unit of time^3], > 0, where process_noise is 0: free of the
+  /// angular scale and, with RevisitTime, of that of time.
   double process_noise_ratio = 200.0;
-  double initial_rate_sigma = 0.3;  ///< of each rate before the second sighting [rad/s], > 0
+  double initial_rate_sigma = 0.0;  ///< of each rate at first [rad/s], >= 0; 0 = not known (InitialRate)
 };
 
 /// Kalman filter of constant angular velocity disturbed by white acceleration: four states, both channels
@@ -27,6 +30,7 @@ class KalmanEstimator final : public Estimator {
   std::unique_ptr<Estimator> clone() const override;
   void update(const Measurement& measurement) override;
   std::optional<AngularState> stateAt(Time time) const override;
+  bool knowsRates() const override { return !rate_.isOpen(); }
   void rotate(const Eigen::Matrix3d& R_new_old) override;
 
  private:
@@ -37,6 +41,8 @@ class KalmanEstimator final : public Estimator {
   std::optional<Time> time_;  // of the last sighting
   Motion<4> motion_;          // then
   SightingNoise noise_;
+  RevisitTime revisit_;
+  InitialRate rate_;
 };
 
 }  // namespace sightline::core

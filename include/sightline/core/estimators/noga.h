@@ -8,6 +8,7 @@
 
 #include "sightline/core/estimators/auto_regression.h"
 #include "sightline/core/estimators/estimator.h"
+#include "sightline/core/estimators/rate_prior.h"
 
 namespace sightline::core {
 
@@ -28,7 +29,7 @@ struct NogaParams {
   bool weighted = false;  ///< regressors times d exp(-d) / ifov^2 of their age d [s] (16); favours the older
   bool feedback = false;  ///< the estimates take the sightings' place in later rows; diverges
   NogaCovariance covariance = NogaCovariance::residual;
-  double initial_rate_sigma = 0.3;  ///< of each rate before the sightings tell it better [rad/s], > 0
+  double initial_rate_sigma = 0.0;  ///< of each rate at first [rad/s], >= 0; 0 = not known (InitialRate)
 };
 
 /// NOGA, form `paper`: equations (10)-(16C) as the model, (20)-(22) to make it agree with the sighting,
@@ -57,6 +58,7 @@ class NogaEstimator final : public Estimator {
   std::unique_ptr<Estimator> clone() const override;
   void update(const Measurement& measurement) override;
   std::optional<AngularState> stateAt(Time time) const override;
+  bool knowsRates() const override { return !rate_.isOpen(); }
   void rotate(const Eigen::Matrix3d& R_new_old) override;
 
   /// Whether the last estimate came from the auto-regression rather than the straight line.
@@ -75,6 +77,7 @@ class NogaEstimator final : public Estimator {
   AngularState coasted(AngularState state, double h) const;
 
   NogaParams params_;
+  InitialRate rate_;
   int size_ = 0;    // sightings in the window
   int series_ = 0;  // of those, the last ones without a pause
   bool auto_regressive_ = false;

@@ -9,6 +9,8 @@
 #include "sightline/core/estimators/mode_chain.h"
 #include "sightline/core/estimators/noga_models.h"
 #include "sightline/core/estimators/noise_learning.h"
+#include "sightline/core/estimators/rate_prior.h"
+#include "sightline/core/estimators/revisit_time.h"
 #include "sightline/core/estimators/sighting_noise.h"
 
 namespace sightline::core {
@@ -22,8 +24,8 @@ struct NogaConsistentParams {
   std::vector<ResponseModel> models = defaultResponseModels();
   double amplitude =
       0.0;  ///< that 1 rad of the bank stands for [rad]; 0 = ten sigmas of the sightings: free of scale
-  double initial_rate_sigma = 0.3;  ///< of each rate before the second sighting [rad/s], > 0
-  double dwell = 60.0;              ///< mean time between changes of the model [s], > 0
+  double initial_rate_sigma = 0.0;  ///< of each rate at first [rad/s], >= 0; 0 = not known (InitialRate)
+  double dwell = 60.0;              ///< mean time between changes of the model [units of time], > 0
   double outlier_share = 0.01;      ///< of sightings that are not the target's, in [0, 1)
   double outlier_width = 4.0;       ///< over which they lie, in amplitudes, > 0
   NoiseLearningParams noise;        ///< what the sightings' noise really is
@@ -41,9 +43,9 @@ NogaConsistentParams bankOfSection43();
 /// followed by the propagation is the Kalman recursion; it is carried out in that form (a test holds the two
 /// equal). The channels stay apart, as cheap as two small filters, until a sighting couples them.
 ///
-/// Each model learns the scale of the sightings' noise for itself (S-11), channel by channel: a model that
-/// explains the innovations by calm sightings and a lively target competes with one that explains them by the
-/// opposite.
+/// Times in the settings are in units of time (RevisitTime), seconds for most sensors. Each model learns the
+/// scale of the sightings' noise for itself (S-11), channel by channel: a model that explains the innovations
+/// by calm sightings and a lively target competes with one that explains them by the opposite.
 class NogaConsistentEstimator final : public Estimator {
  public:
   /// Throws std::invalid_argument for a parameter out of range.
@@ -52,6 +54,7 @@ class NogaConsistentEstimator final : public Estimator {
   std::unique_ptr<Estimator> clone() const override;
   void update(const Measurement& measurement) override;
   std::optional<AngularState> stateAt(Time time) const override;
+  bool knowsRates() const override { return !rate_.isOpen(); }
   Eigen::Vector2d noiseScale() const override;
   void rotate(const Eigen::Matrix3d& R_new_old) override;
 
@@ -66,6 +69,7 @@ class NogaConsistentEstimator final : public Estimator {
   int modes() const { return static_cast<int>(params_.models.size()); }
   double amplitude(int channel, double noise) const;
   void start(const Measurement& measurement);
+  void setUnknown(double h);
   Beliefs expected(double h) const;
   Belief mixtureOfAll() const;
   template <int N>
@@ -76,6 +80,7 @@ class NogaConsistentEstimator final : public Estimator {
                        double& distance_squared) const;
   double reduceCoupled(Belief& belief, const Measurement& measurement,
                        Eigen::Vector2d& distances_squared) const;
+  double outlierShare() const;
   double takenShare(double log_likelihood, double log_outlier_density, double& log_mixture) const;
   double logOutlierDensity(int channel, double noise, double D) const;
   void learnNoise(Belief& belief, const Eigen::Vector2d& distances_squared) const;
@@ -86,8 +91,11 @@ class NogaConsistentEstimator final : public Estimator {
   std::optional<Time> time_;  // of the last sighting
   Beliefs beliefs_;           // then, by each model
   SightingNoise sighting_noise_;
+  RevisitTime revisit_;
+  InitialRate rate_;
   NoiseLearning noise_learning_;
-  bool coupled_ = false;  // whether `cross` is kept
+  bool is_second_look_ = false;  // the sighting is the second of a target whose rates nobody knew
+  bool coupled_ = false;         // whether `cross` is kept
 };
 
 }  // namespace sightline::core

@@ -8,7 +8,7 @@
 namespace sightline::core {
 
 /// How a target may answer: one model of the bank. Quantities that have the angle in them are for an
-/// amplitude of 1 rad.
+/// amplitude of 1 rad, those with the time for a unit of time of 1 s.
 struct ResponseModel {
   enum class Kind { straight, harmonic, fixed_harmonic, fading };
   Kind kind = Kind::straight;
@@ -31,6 +31,9 @@ struct ResponseBelief {
   Eigen::Matrix4d cross = Eigen::Matrix4d::Zero();
   Eigen::Vector2d noise = Eigen::Vector2d::Ones();
 };
+
+/// Goes over from seconds to units of time of `unit` seconds: rates per unit, and so on.
+void inUnits(ResponseBelief& belief, double unit);
 
 /// Throws std::invalid_argument for a model that cannot work.
 void check(const ResponseModel& model);

@@ -28,16 +28,28 @@ class SightingNoise {
   double sightings_ = 0.0;  // of those that count in the mean
 };
 
-/// White process noise, absolute or in proportion to the sightings' noise.
+/// White process noise, absolute or in proportion to the sightings' noise. What is in proportion is per unit
+/// of time, which is a second for sensors of more than three sightings a second (RevisitTime).
 struct ProcessNoise {
   double density =
       0.0;             ///< spectral density [rad^2/s^3] (acceleration) or [rad^2/s^5] (jerk); 0 = by `ratio`
-  double ratio = 0.0;  ///< density / sigma^2 of the sightings [1/s^3] or [1/s^5], where `density` is 0
+  double ratio = 0.0;  ///< density / sigma^2 of the sightings [1/unit^3] or [1/unit^5], where `density` is 0
 
-  /// The spectral density of both channels, 2x2; `sighting_noise` is that of a typical sighting [rad^2].
-  Eigen::Matrix2d densityFor(const Eigen::Matrix2d& sighting_noise) const {
+  /// Spectral density of white acceleration in both channels, 2x2 [rad^2/s^3]; `sighting_noise` is that of a
+  /// typical sighting [rad^2], `unit` the unit of time [s].
+  Eigen::Matrix2d accelerationFor(const Eigen::Matrix2d& sighting_noise, double unit) const {
+    return densityFor(sighting_noise, unit * unit * unit);
+  }
+
+  /// The same of white jerk [rad^2/s^5].
+  Eigen::Matrix2d jerkFor(const Eigen::Matrix2d& sighting_noise, double unit) const {
+    return densityFor(sighting_noise, unit * unit * unit * unit * unit);
+  }
+
+ private:
+  Eigen::Matrix2d densityFor(const Eigen::Matrix2d& sighting_noise, double per) const {
     if (density > 0.0) return density * Eigen::Matrix2d::Identity();
-    return ratio * sighting_noise;
+    return ratio / per * sighting_noise;
   }
 };
 

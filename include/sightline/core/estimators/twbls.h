@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "sightline/core/estimators/estimator.h"
+#include "sightline/core/estimators/rate_prior.h"
 
 namespace sightline::core {
 
@@ -61,7 +62,7 @@ struct TwblsParams {
   SensorWeight sensor_weight = SensorWeight::variance;
   TwblsAnchor anchor = TwblsAnchor::fit;
   TwblsCovariance covariance = TwblsCovariance::residual;
-  double initial_rate_sigma = 0.3;  ///< of each rate before the sightings tell it better [rad/s], > 0
+  double initial_rate_sigma = 0.0;  ///< of each rate at first [rad/s], >= 0; 0 = not known (InitialRate)
 };
 
 /// Half width of the paper's gate, seconds `h` after the last sighting: three times the linear sum E_2 + h
@@ -79,6 +80,7 @@ class TwblsEstimator final : public Estimator {
   std::unique_ptr<Estimator> clone() const override;
   void update(const Measurement& measurement) override;
   std::optional<AngularState> stateAt(Time time) const override;
+  bool knowsRates() const override { return !rate_.isOpen(); }
   void rotate(const Eigen::Matrix3d& R_new_old) override;
 
   /// Number of sightings in the window.
@@ -95,6 +97,7 @@ class TwblsEstimator final : public Estimator {
   AngularState pointState() const;
 
   TwblsParams params_;
+  InitialRate rate_;
   std::vector<Measurement> window_;  // oldest first
   std::optional<LineFit> fits_[2];
   AngularState state_;  // at the time of the newest sighting

@@ -7,6 +7,8 @@
 #include "sightline/core/estimators/estimator.h"
 #include "sightline/core/estimators/mode_chain.h"
 #include "sightline/core/estimators/noise_learning.h"
+#include "sightline/core/estimators/rate_prior.h"
+#include "sightline/core/estimators/revisit_time.h"
 #include "sightline/core/estimators/sighting_noise.h"
 #include "sightline/core/model/kinematics.h"
 
@@ -24,8 +26,8 @@ struct TwblsConsistentParams {
   int sightings = 60;
   double min_span = 3.0;
   bool exact_window = false;
-  double memory = 2.0;              ///< for the evidence of each process noise [s], > 0
-  double initial_rate_sigma = 0.3;  ///< of each rate before the second sighting [rad/s], > 0
+  double memory = 2.0;              ///< for the evidence of each process noise [units of time], > 0
+  double initial_rate_sigma = 0.0;  ///< of each rate at first [rad/s], >= 0; 0 = not known (InitialRate)
   NoiseLearningParams noise;        ///< what the sightings' noise really is
 };
 
@@ -38,7 +40,8 @@ struct TwblsConsistentParams {
 /// first sightings knowing nothing (a test holds the two equal). It goes on from sighting to sighting while
 /// the window grows, and works on coupled channels as well.
 ///
-/// Each density learns the scale of the sightings' noise for itself (S-11), channel by channel.
+/// Densities, memories and the like are per unit of time (RevisitTime). Each density learns the scale of the
+/// sightings' noise for itself (S-11), channel by channel.
 class TwblsConsistentEstimator final : public Estimator {
  public:
   /// Throws std::invalid_argument for a parameter out of range.
@@ -47,6 +50,7 @@ class TwblsConsistentEstimator final : public Estimator {
   std::unique_ptr<Estimator> clone() const override;
   void update(const Measurement& measurement) override;
   std::optional<AngularState> stateAt(Time time) const override;
+  bool knowsRates() const override { return !rate_.isOpen(); }
   Eigen::Vector2d noiseScale() const override;
   void rotate(const Eigen::Matrix3d& R_new_old) override;
 
@@ -60,13 +64,15 @@ class TwblsConsistentEstimator final : public Estimator {
   void add(const Measurement& measurement);
   void shortenWindow();
   void fitWindow();
-  Eigen::Matrix2d density(int mode) const;
+  Eigen::Matrix2d density(int mode, double h) const;
   Motion<4> predicted(int mode, double h) const;
   void take(Motion<4>& motion, int mode, std::size_t index) const;
 
   TwblsConsistentParams params_;
   std::vector<Measurement> window_;  // oldest first; sightings at the first instant are joined
   SightingNoise sighting_noise_;
+  RevisitTime revisit_;
+  InitialRate rate_;
   NoiseLearning noise_learning_;
   ModeArray evidence_;            // log likelihood of the sightings, fading
   Motion<4> motions_[kMaxModes];  // at the last sighting, by each process noise and the stated covariances

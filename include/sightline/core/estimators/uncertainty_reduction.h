@@ -60,19 +60,13 @@ constexpr int sumOf(int n, int m) {
 /// that expressions may be passed for them.
 template <typename Scalar, int N, int M>
 struct Types {
+  static constexpr int kJoint = sumOf(N, M);
   using Parameters = Eigen::Matrix<Scalar, N, 1>;
   using Response = Eigen::Matrix<Scalar, M, 1>;
   using ParameterCovariance = Eigen::Matrix<Scalar, N, N>;
   using ResponseCovariance = Eigen::Matrix<Scalar, M, M>;
   using CrossCovariance = Eigen::Matrix<Scalar, M, N>;
-  static constexpr int kMost = sumOf(N, M);
-  /// Of (r, a), as of a size that is known at run time, within a fixed storage: fully unrolled products of these
-  /// sizes take minutes and gigabytes to compile.
-  using JointCovariance = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
-  using JointVector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1, 0, kMost, 1>;
-  using ResponseByJoint =
-      Eigen::Matrix<Scalar, M, Eigen::Dynamic, M == 1 ? Eigen::RowMajor : Eigen::ColMajor, M, kMost>;
-  using JointByResponse = Eigen::Matrix<Scalar, Eigen::Dynamic, M, Eigen::ColMajor, kMost, M>;
+  using JointCovariance = Eigen::Matrix<Scalar, kJoint, kJoint>;
 };
 
 /// All of these throw std::invalid_argument.
@@ -156,18 +150,17 @@ ReducedUncertainty<Scalar, N, M> reduceUncertainty(
       C_r.rows() != m || C_r.cols() != m || C_p.rows() != m || C_p.cols() != n) {
     reduction::refuseSizes(n, m);
   }
-  using Types = reduction::Types<Scalar, N, M>;
-  const typename Types::JointCovariance C = reduction::jointOf<Scalar, N, M>(C_a, C_r, C_p);
+  constexpr int kJoint = reduction::sumOf(N, M);
+  const Eigen::Matrix<Scalar, kJoint, kJoint> C = reduction::jointOf<Scalar, N, M>(C_a, C_r, C_p);
   reduction::checkJoint<Scalar, N, M>(C, m, n);
 
-  typename Types::ResponseByJoint G(m, m + n);  // e = q - r answers to (r, a) with G
+  Eigen::Matrix<Scalar, M, kJoint> G(m, m + n);  // e = q - r answers to (r, a) with G
   G.template leftCols<M>(m).setIdentity();
   G.template leftCols<M>(m) *= Scalar(-1);
   G.template rightCols<N>(n) = model.S;
-  const typename Types::ResponseByJoint GC = G * C;
-  const typename Types::ResponseCovariance GCG = GC * G.transpose();
-  const typename Types::ResponseCovariance D = symmetric(GCG);
-  const Eigen::LLT<typename Types::ResponseCovariance> llt(D);
+  const Eigen::Matrix<Scalar, M, kJoint> GC = G * C;
+  const Eigen::Matrix<Scalar, M, M> D = symmetric(GC * G.transpose());
+  const Eigen::LLT<Eigen::Matrix<Scalar, M, M>> llt(D);
   if (llt.info() != Eigen::Success || !(D.diagonal().minCoeff() > Scalar(0)))
     reduction::refuseSingularDifference();
 
@@ -175,17 +168,14 @@ ReducedUncertainty<Scalar, N, M> reduceUncertainty(
   const Eigen::Matrix<Scalar, M, 1> e = model.q - r;
   reduced.lambda = llt.solve(e);
   reduced.chi2 = reduced.lambda.dot(e);
-  const typename Types::ResponseByJoint solved = llt.solve(GC);
-  const typename Types::JointByResponse K = -solved.transpose();
-  const typename Types::JointVector correction = K * e;  // (20)
+  const Eigen::Matrix<Scalar, kJoint, M> K = -llt.solve(GC).transpose();
+  const Eigen::Matrix<Scalar, kJoint, 1> correction = K * e;  // (20)
   reduced.r = r + correction.template segment<M>(0, m);
   reduced.a = model.a + correction.template segment<N>(m, n);
 
-  typename Types::JointCovariance J = K * G;  // (S-7), for (21)-(23) at once
+  Eigen::Matrix<Scalar, kJoint, kJoint> J = K * G;  // (S-7), for (21)-(23) at once
   J.diagonal().array() += Scalar(1);
-  const typename Types::JointCovariance JC = J * C;
-  const typename Types::JointCovariance JCJ = JC * J.transpose();
-  const typename Types::JointCovariance C_hat = symmetric(JCJ);
+  const Eigen::Matrix<Scalar, kJoint, kJoint> C_hat = symmetric(J * C * J.transpose());
   reduced.C_r = C_hat.template topLeftCorner<M, M>(m, m);
   reduced.C_p = C_hat.template topRightCorner<M, N>(m, n);
   reduced.C_a = C_hat.template bottomRightCorner<N, N>(n, n);

@@ -24,6 +24,13 @@ struct TrackPrediction {
   Chart chart;
   AngularState state;                                    ///< in the chart, at the time of the scan
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< predicted, tracking frame
+  /// Of a target that has been seen once, so that its rates are not known: time since then [s], > 0, and the
+  /// covariance of that sighting in the chart [rad^2]. 0 for the others.
+  double since_only_sighting = 0.0;
+  Eigen::Matrix2d only_sighting = Eigen::Matrix2d::Zero();
+  /// Of a target that has been seen so seldom that nobody knows how its rates change: standard deviation of
+  /// its position by a change of the rates [rad]; 0 for the others.
+  double change_sigma = 0.0;
   /// Added to the covariance of every sighting [rad^2]: how far the target moves within the error of the
   /// scan's stamp.
   Eigen::Matrix2d stamp_covariance = Eigen::Matrix2d::Zero();

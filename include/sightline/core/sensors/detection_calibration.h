@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "sightline/core/estimators/revisit_time.h"
 #include "sightline/core/model/sighting.h"
 #include "sightline/core/model/time.h"
 
@@ -15,7 +16,7 @@ struct DetectionParams {
   double probability = 0.0;       ///< P_D of a target in view, in [0, 1]; 0 = learned, sensor by sensor
   double clutter_density = -1.0;  ///< false sightings [1/sr a scan], >= 0; negative = learned
   double memory = 300.0;          ///< scans over which is learned, >= 10
-  double births = 0.1;            ///< new targets expected in the view of a sensor [1/s], > 0
+  double births = 0.1;            ///< new targets expected in the view of a sensor [1/unit of time], > 0
   double first_targets = 1.0;     ///< expected there when it looks for the first time, > 0
 };
 
@@ -28,6 +29,7 @@ struct CalibratedDetection {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< sum of those sightings' directions [1]
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();    ///< sum of their outer products [1]
   Time last_scan{};
+  RevisitTime interval;       ///< between its scans
   double undiscovered = 0.0;  ///< targets in view that are in no track yet, expected before the last scan
 };
 
@@ -36,7 +38,8 @@ struct CalibratedDetection {
 /// few sensors state them. Plain state, copied with the tracker's.
 ///
 /// The solid angle is the field of view, where that is known; else what the false sightings are scattered
-/// over, as if evenly over a rectangle.
+/// over, as if evenly over a rectangle, which is at least ten standard deviations of a sighting wide: a
+/// target that is seen by a coarse sensor is not the clutter that explains it.
 class DetectionCalibration {
  public:
   /// Throws std::invalid_argument for parameters out of range.
@@ -56,6 +59,9 @@ class DetectionCalibration {
   /// expected number of those over that of false sightings, > 0. Targets that a sensor has not seen in scan
   /// after scan are not there, but for those that have come since.
   double newTargetOdds(const Scan& scan) const;
+
+  /// The usual time between the scans of this scan's sensor, this one included.
+  RevisitTime interval(const Scan& scan) const;
 
   /// New targets expected in `duration` [s] in a solid angle of 1 sr of the scan's view.
   double birthDensity(const Scan& scan, double duration) const;

@@ -5,6 +5,9 @@
 
 #include <Eigen/Core>
 
+#include "sightline/core/model/sighting.h"
+#include "sightline/core/sensors/lone_sightings.h"
+
 namespace sightline::core {
 
 /// How the noise of each sensor is learned in one tracker.
@@ -21,6 +24,8 @@ struct CalibratedSensor {
   std::string sensor;
   double scale = 1.0;      ///< variance of its sightings' white noise over the stated one
   double sightings = 0.0;  ///< on which that rests
+  double start = 1.0;      ///< where that started: far from 1 where the stated noise cannot be right
+  LoneSightings lone;
 };
 
 /// One noise scale for each sensor, learned slowly from the innovations of all mature tracks (S-45).
@@ -40,10 +45,15 @@ class NoiseCalibration {
   void take(const std::string& sensor, const Eigen::Vector2d& innovation_squared,
             const Eigen::Vector2d& expected, const Eigen::Vector2d& track_scale);
 
+  /// Takes a scan while no track is established: whether the stated noise can be right at all.
+  void takeUntracked(const Scan& scan);
+
   /// By name.
   const std::vector<CalibratedSensor>& sensors() const { return sensors_; }
 
  private:
+  CalibratedSensor* entry(const std::string& sensor);
+
   NoiseCalibrationParams params_;
   std::vector<CalibratedSensor> sensors_;
 };

@@ -9,6 +9,7 @@
 #include "sightline/core/association/gate.h"
 #include "sightline/core/estimators/charted_estimator.h"
 #include "sightline/core/estimators/estimator.h"
+#include "sightline/core/estimators/revisit_time.h"
 #include "sightline/core/model/sighting.h"
 #include "sightline/core/model/track.h"
 #include "sightline/core/sensors/sensor_guard.h"
@@ -17,21 +18,27 @@
 
 namespace sightline::core {
 
+/// What is known of the sensor of a scan.
+struct ScanSensor {
+  double detection_probability = 0.9;  ///< that it shows a target that it can see
+  RevisitTime interval;                ///< between its scans
+  bool is_clear = true;                ///< few of the scan's sightings can be false: see isClear
+};
+
 /// One target's track: its estimator, its status, and what is known of the sensors that see it. Copies are
 /// deep.
 class LiveTrack {
  public:
   /// A track started from one sighting (tracking frame) of a scan. `odds`: of a new target against a false
-  /// sighting.
+  /// sighting; `interval`: between scans of this sensor.
   LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sighting,
-            std::unique_ptr<Estimator> estimator, double odds);
+            std::unique_ptr<Estimator> estimator, double odds, const RevisitTime& interval);
 
   std::uint32_t id() const { return id_; }
   const TrackLifecycle& lifecycle() const { return lifecycle_; }
 
   /// What the track expects to see in a scan. Moves to a new chart when the target leaves the present one.
-  /// `detection_probability`: the sensor's.
-  TrackPrediction predict(const Scan& scan, double detection_probability, const LifecycleParams& params,
+  TrackPrediction predict(const Scan& scan, const ScanSensor& sensor, const LifecycleParams& params,
                           bool adapt_gate);
 
   /// Updates with a sighting; `prediction` is that for the scan's time, `likelihood_ratio` that of its
@@ -50,6 +57,12 @@ class LiveTrack {
   /// in twenty is allowed 25 times the distance.
   double logDensityOfReturn(const LiveTrack& fresh, Time time) const;
 
+  /// The same of a new target, where `births` new ones are expected in a solid angle of 1 sr.
+  double logDensityOfBirth(Time time, double births) const;
+
+  /// A second track of the same sightings, for another hypothesis of which the next one is.
+  LiveTrack branch(std::uint32_t id) const;
+
   /// Goes on as the track that a target had before it was lost.
   void resume(const LiveTrack& lost);
 
@@ -66,6 +79,8 @@ class LiveTrack {
   Track report(Time time, const GateParams& gate, bool adapt_gate, const LifecycleParams& params) const;
 
  private:
+  void expectSecondLook(Time time, bool is_clear, TrackPrediction& prediction) const;
+  void updateUnit(Time time, const LifecycleParams& params);
   void noteSource(const Scan& scan, const Eigen::Vector2d& innovation);
   Eigen::Matrix2d lastNoise() const;
   double spread(const AngularState& state, bool adapt_gate) const;

@@ -11,8 +11,9 @@ namespace sightline::core {
 /// When a track is initiated, confirmed and deleted.
 ///
 /// A scan without a sighting of the target is a miss only if its sensor has seen the target before and looks
-/// where it is; silence is never a miss. A limit on silence counts as at least four of the track's usual
-/// intervals between sightings, so that one setting serves sensors of 1 Hz and of 100 Hz.
+/// where it is; silence is never a miss. Times are in units of the track's time (S-91): one second, or three
+/// usual intervals of a slower sensor, so that one setting serves a camera and a telescope that looks every
+/// ten minutes. A limit on silence counts as at least four of the track's usual intervals between sightings.
 struct LifecycleParams {
   /// Whether the probability of existence decides; false: M sightings of N scans, and misses and silence.
   bool by_existence = true;
@@ -22,14 +23,14 @@ struct LifecycleParams {
   double show_existence = 0.5;  ///< below it an established track is not shown until it is seen again, [0, 1)
   PresenceParams presence;      ///< how targets come and go
   int coast_misses = 3;         ///< misses in a row after which a track counts as coasting, >= 1
-  double coast_silence = 0.3;   ///< silence after which it does [s], > 0
+  double coast_silence = 0.3;   ///< silence after which it does [units of time], > 0
   int delete_misses = 30;       ///< misses in a row after which a track is lost, without existence, >= 1
-  double delete_silence = 2.0;  ///< silence after which it is lost in any case [s], > 0
+  double delete_silence = 2.0;  ///< silence after which it is lost in any case [units], > 0
   /// Silence up to which a lost target is remembered, and goes on as the same track when it is seen within
-  /// its gate or a new track agrees with its motion [s], >= 0
+  /// its gate or a new track agrees with its motion [units of time], >= 0
   double remember = 5.0;
-  /// An established track whose gate is so many times as wide as the sightings' own sigma would make it is
-  /// updated with false sightings alone: it is deleted. > 1
+  /// An established track whose gate is so many times as wide as the sightings' own sigma would make it,
+  /// times the unit of its time over one second, is updated with false sightings alone: it is deleted. > 1
   double max_spread = 30.0;
   /// Scans in a row in which two tracks at the same place with the same motion share the sightings of one
   /// target, after which the younger is deleted, >= 1
@@ -65,8 +66,14 @@ class TrackLifecycle {
   double interval() const { return interval_; }     ///< usual time between sightings [s]; 0 = not known yet
   double existence() const { return existence_.probability(); }
 
-  /// A limit on silence as it counts for this track [s].
-  double limit(double silence) const;
+  /// Silence that always may last [s]: some of the usual intervals.
+  double leastSilence() const;
+
+  double unit() const { return unit_; }
+
+  /// The unit of the track's time is now so many seconds, > 0; infinite = not known yet, silence means
+  /// nothing.
+  void setUnit(double unit) { unit_ = unit; }
 
   /// Probability that a scan shows the target, by the track's own record and the sensor's probability.
   double detectionProbability(double of_sensor) const;
@@ -88,6 +95,7 @@ class TrackLifecycle {
   bool isOver(Time time, const LifecycleParams& params) const;
 
  private:
+  double limit(double silence) const;
   void weigh(Time time, double likelihood_ratio, const LifecycleParams& params);
   void noteLook(bool is_seen);
   bool isConfirmedBy(const LifecycleParams& params) const;
@@ -100,6 +108,7 @@ class TrackLifecycle {
   Time last_sighting_;
   Time weighed_;           // when `existence_` was updated last
   double interval_ = 0.0;  // [s]
+  double unit_ = 1.0;      // [s]
   std::uint32_t hits_ = 1, misses_ = 0;
   int scans_ = 1;                     // that could have shown the target, since the start
   double looked_ = 0.0, seen_ = 0.0;  // the last ones of these, fading, and how many of them did
