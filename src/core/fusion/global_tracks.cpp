@@ -28,9 +28,9 @@ void removeSupporter(GlobalTrackEntry& entry, std::size_t supporter) {
 void leaveOutBiased(GlobalTrackEntry& entry) {
   const auto& supporters = entry.track.supporters();
   for (std::size_t i = 0; i < supporters.size(); ++i) {
-    if (!supporters[i].unusable.empty()) continue;
-    const auto exclusion = entry.tracklets.exclusionOf(supporters[i].key);
-    if (exclusion) entry.track.setUnusable(i, textOf(*exclusion));
+    if (supporters[i].unusable) continue;
+    if (auto exclusion = entry.tracklets.exclusionOf(supporters[i].key))
+      entry.track.setUnusable(i, std::move(exclusion));
   }
 }
 
@@ -61,9 +61,8 @@ void GlobalTracks::followReports(GlobalTrackEntry& entry, const LocalReports& re
       removeSupporter(entry, i);
       continue;
     }
-    const std::string why = reports.whyUnusable(key.tracker, *local);
-    entry.track.setUnusable(i, why);
-    if (!why.empty() || key.tracker != reporting) continue;
+    entry.track.setUnusable(i, reports.whyUnusable(key.tracker, *local));
+    if (entry.track.supporters()[i].unusable || key.tracker != reporting) continue;
     LocalTrack honest = *local;
     honest.track.state.covariance *= entry.tracklets.noiseScale(key);
     const double surprise = entry.track.renew(i, honest);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <optional>
 
 #include "sightline/core/association/assignment.h"
@@ -13,7 +12,6 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kForbidden = std::numeric_limits<double>::infinity();  // cost, see assign()
 constexpr double kReachSlack = 2.0;        // of the gate, before distances are computed exactly
 constexpr double kMergeSlack = 8.0;        // the same for global tracks, whose states are not their estimates
 constexpr std::size_t kMostCompared = 30;  // tracks of a report that show their tracker's misalignment
@@ -105,7 +103,7 @@ std::optional<Disagreement> disagreementOf(const GlobalTrack& track, const std::
   if (number >= track.supporters().size()) return std::nullopt;
   const Supporter& supporter = track.supporters()[number];
   const bool contradicts = supporter.contradicts_since.has_value();
-  if (!supporter.unusable.empty() && !contradicts) return std::nullopt;
+  if (supporter.unusable && !contradicts) return std::nullopt;
   const std::optional<Estimate<4>> others = track.opinionWithout(tracker);
   if (!others) return std::nullopt;
   const Eigen::Vector2d apart = angleDifference(supporter.state.angles(), others->mean.head<2>());
@@ -292,7 +290,7 @@ TrackAssociation::FreeTracks TrackAssociation::freeTracksOf(const GlobalTracks& 
   const std::vector<std::uint32_t> supporters = tracks.supportersOf(tracker);
   for (const auto& [id, local] : reports.trackers().at(tracker).tracks) {
     if (std::binary_search(supporters.begin(), supporters.end(), id)) continue;
-    if (!reports.whyUnusable(tracker, local).empty() || waiting_.count({tracker, id}) > 0) continue;
+    if (reports.whyUnusable(tracker, local) || waiting_.count({tracker, id}) > 0) continue;
     free.emplace_back(LocalKey{tracker, id}, local);
   }
   return free;

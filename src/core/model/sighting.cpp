@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <sstream>
+#include <string>
 
 #include <Eigen/Eigenvalues>
 
@@ -13,6 +14,10 @@ namespace {
 constexpr double kSmallestSigma = 1e-9;      // [rad]: a thousandth of an arc second is no camera's accuracy
 constexpr double kLargestSigma = kPi / 2.0;  // [rad]: beyond, the sighting says nothing about the direction
 constexpr double kAsymmetry = 1e-6;          // relative to the geometric mean of the variances
+
+Refusal invalid(const std::string& why) {
+  return {"invalid", why};
+}
 
 }  // namespace
 
@@ -37,31 +42,31 @@ Sighting rotate(const Sighting& sighting, const Eigen::Matrix3d& R_to_from) {
   return turned;
 }
 
-std::optional<std::string> rejectionOf(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
+std::optional<Refusal> rejectionOf(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
   std::ostringstream why;
   if (!angles.allFinite()) {
     why << "direction (" << angles.x() << ", " << angles.y()
         << ") rad is not finite: leave such sightings out";
-    return why.str();
+    return invalid(why.str());
   }
   if (std::abs(angles.x()) > 2.0 * kPi || std::abs(angles.y()) > kPi / 2.0) {
     why << "direction (" << angles.x() << ", " << angles.y()
         << ") rad is off the sphere: azimuth within +-2 pi, elevation within +-pi/2; are these degrees?";
-    return why.str();
+    return invalid(why.str());
   }
   if (!covariance.allFinite()) {
     why << "covariance is not finite: give the variances in rad^2";
-    return why.str();
+    return invalid(why.str());
   }
   const double scale = std::sqrt(std::abs(covariance(0, 0) * covariance(1, 1)));
   if (std::abs(covariance(0, 1) - covariance(1, 0)) > kAsymmetry * scale) {
     why << "covariance is not symmetric (" << covariance(0, 1) << " and " << covariance(1, 0) << " rad^2)";
-    return why.str();
+    return invalid(why.str());
   }
   if (covariance(0, 0) <= 0.0 || covariance.determinant() <= 0.0) {
     why << "covariance is not positive definite (variances " << covariance(0, 0) << ", " << covariance(1, 1)
         << " rad^2): the sensor's driver must state its sigma";
-    return why.str();
+    return invalid(why.str());
   }
   // Judged on the sphere, where azimuth shrinks with the cosine of the elevation.
   Eigen::Matrix2d on_sphere = covariance;
@@ -73,12 +78,12 @@ std::optional<std::string> rejectionOf(const Eigen::Vector2d& angles, const Eige
   if (!(variances(0) >= kSmallestSigma * kSmallestSigma)) {
     why << "sigma " << std::sqrt(std::max(variances(0), 0.0)) << " rad is below " << kSmallestSigma
         << " rad: no sensor is that good; state the sigma in radians";
-    return why.str();
+    return invalid(why.str());
   }
   if (!(variances(1) <= kLargestSigma * kLargestSigma)) {
     why << "sigma " << std::sqrt(variances(1))
         << " rad is above pi/2: the sighting says nothing; are these degrees?";
-    return why.str();
+    return invalid(why.str());
   }
   return std::nullopt;
 }

@@ -50,11 +50,6 @@ ParamReader fusionSectionOf(const ParamReader& config, const ReplaySettings& set
   return settings.estimator.empty() ? section : section.with("estimator", settings.estimator);
 }
 
-/// The kind of a refusal "kind: details".
-std::string kindOf(const std::string& refusal) {
-  return refusal.substr(0, refusal.find(':'));
-}
-
 /// The trackers and the fusion of one replay: scans in, messages out.
 class Replay {
  public:
@@ -160,7 +155,7 @@ void Replay::fuse(const Tracker& tracker, const std::vector<TrackerReport>& repo
     if (!report.tracks) continue;
     const FusionResult fused = fusion_.onTracks(*report.tracks, tracker.topics.tracks, core::Time{});
     output_.write(fused, report.tracks->header.stamp);
-    if (!fused.refusal.empty()) ++summary_.drops[fusion_.name() + ": " + kindOf(fused.refusal)];
+    if (fused.refusal) ++summary_.drops[fusion_.name() + ": " + fused.refusal->kind];
   }
 }
 
@@ -175,8 +170,8 @@ void Replay::sendOverdueTracklets(core::Time now) {
 }
 
 void Replay::sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets) {
-  const std::string refusal = fusion_.onTracklets(tracklets, tracker.topics.tracklets, core::Time{});
-  if (!refusal.empty()) ++summary_.drops[fusion_.name() + ": " + kindOf(refusal)];
+  const auto refusal = fusion_.onTracklets(tracklets, tracker.topics.tracklets, core::Time{});
+  if (refusal) ++summary_.drops[fusion_.name() + ": " + refusal->kind];
 }
 
 }  // namespace

@@ -235,7 +235,7 @@ TEST(TrackletFusion, SensorInTwoLocalTracksCountsOnce) {
     const ScanReport tracked = tracker.onScan(scan);
     TrackletReport tracklets = *builder.onScan(scan, tracked);
     tracklets.tracker = sensor->tracker;
-    EXPECT_EQ(fusion.onTracklets(tracklets), "");
+    EXPECT_FALSE(fusion.onTracklets(tracklets));
     report = fusion.onReport({sensor->tracker, tracked.time, tracked.tracks});
     const ScanReport whole = central.onScan(scan);  // the second copy is refused as a duplicate
     if (whole.time < platformTime(1.0)) continue;
