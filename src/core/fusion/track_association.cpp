@@ -20,7 +20,7 @@ constexpr double kShortAge = 0.2;          // for which that is enough [s]
 /// Something to be assigned to a global track: a free local track, or (without key) a global track.
 struct Row {
   std::optional<LocalKey> key;
-  std::size_t entry = 0;  // without key
+  std::size_t entry = 0;  // without key; with one that which the local track had before, if it waits for it
   AngularState state_tracking;
   Time time;
 };
@@ -65,6 +65,15 @@ bool isFarAway(const Row& row, const Eigen::Vector2d& place, const Estimate<4>& 
   return apart.squaredNorm() > reach * reach;
 }
 
+/// Whether they may be one by what is known of them beside their states. A global track without supporters is
+/// not shown: to become one with it would give one that is shown an id that nobody has seen for a while. And
+/// it waits for the local track that it had, which does not take another one's place.
+bool mayBeOne(const Row& row, std::size_t column, const std::vector<GlobalTrackEntry>& entries) {
+  const GlobalTrack& track = entries[column].track;
+  if (!row.key) return !track.supporters().empty() && !entries[row.entry].track.hasAnyTrackerOf(track);
+  return !track.supporters().empty() || row.entry == entries.size() || row.entry == column;
+}
+
 /// Normalised distances squared and ln det of their covariances, so that a vague track near to many does not
 /// take a sharp one's place; forbidden beyond the gate, and between global tracks with a tracker in common.
 /// To stay alone costs as much as the vaguest pair at the gate.
@@ -83,7 +92,7 @@ Costs costsOf(const std::vector<Row>& rows, const std::vector<std::size_t>& colu
       const Row& row = rows[i];
       const Eigen::Vector2d place = track.chart().coordinatesOf(directions[i]);
       if (isFarAway(row, place, estimate, context) || !track.chart().holds(place)) continue;
-      if (!row.key && entries[row.entry].track.hasAnyTrackerOf(track)) continue;
+      if (!mayBeOne(row, columns[static_cast<std::size_t>(column)], entries)) continue;
       const AngularState aligned = track.aligned(row.state_tracking, row.time);
       const double distance_squared =
           distanceSquared({aligned.mean, aligned.covariance}, estimate, context.sigmaOf(row));
@@ -241,7 +250,7 @@ void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& repor
                                  const std::string& tracker, bool merge) const {
   std::vector<Row> rows;
   for (const auto& [key, local] : freeTracksOf(tracks, reports, tracker))
-    rows.push_back({key, 0, local.track.state, local.time});
+    rows.push_back({key, tracks.formerOf(key, local), local.track.state, local.time});
   if (rows.empty() && !merge) return;
   const CostContext context{tracks, misalignment_, thresholds_.join};
   const std::vector<GlobalTrackEntry>& entries = tracks.entries();
@@ -254,7 +263,7 @@ void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& repor
     if (!merge) break;
     const GlobalTrack& track = entries[i].track;
     const bool has_neighbour = std::any_of(columns.begin(), columns.end(), [&](std::size_t column) {
-      return areNear(track, entries[column].track, context);
+      return !entries[column].track.supporters().empty() && areNear(track, entries[column].track, context);
     });
     if (!has_neighbour) continue;
     const Estimate<4> estimate = track.opinion();
@@ -265,10 +274,11 @@ void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& repor
   const Costs costs = costsOf(rows, columns, context);
   const std::vector<int> found = assign(costs.pairs, costs.alone);
   std::vector<std::pair<std::size_t, std::size_t>> same;
+  std::vector<LocalKey> alone;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const std::optional<LocalKey>& key = rows[row].key;
     if (found[row] < 0) {
-      if (key) tracks.start(*key, *reports.find(*key));
+      if (key) alone.push_back(*key);
       continue;
     }
     const std::size_t entry = columns[static_cast<std::size_t>(found[row])];
@@ -280,6 +290,7 @@ void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& repor
     }
   }
   tracks.merge(same, misalignment_);
+  for (const LocalKey& key : alone) tracks.start(key, *reports.find(key));
 }
 
 /// Usable tracks of the tracker that support no global one and do not wait for a place.
