@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "sightline/core/model/angle_range.h"
 #include "sightline/core/model/kinematics.h"
 #include "sightline/core/model/sphere.h"
 
@@ -50,7 +51,7 @@ Eigen::Vector2d impliedProcessNoise(const Eigen::Matrix4d& covariance) {
 std::optional<std::string> rejectionOf(const AngularState& state) {
   std::ostringstream why;
   if (!state.mean.allFinite() || !state.covariance.allFinite()) return "state or covariance is not finite";
-  if (std::abs(state.mean(0)) > 2.0 * kPi || std::abs(state.mean(1)) > kPi / 2.0) {
+  if (!isAzimuth(state.mean(0)) || !isElevation(state.mean(1))) {
     why << "direction (" << state.mean(0) << ", " << state.mean(1)
         << ") rad is off the sphere: azimuth within +-2 pi, elevation within +-pi/2; are these degrees?";
     return why.str();

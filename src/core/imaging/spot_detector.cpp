@@ -9,8 +9,7 @@
 namespace sightline::core {
 namespace {
 
-// Smoothing by [1 2 1] / 4 in both directions: near enough to the image of a point in most cameras.
-constexpr float kSide = 0.25F, kMiddle = 0.5F;
+constexpr float kSide = kSmoothSide, kMiddle = kSmoothMiddle;
 constexpr double kAreaAtHalf =
     4.355172180607204;                    // 2 pi ln 2: area of a Gaussian of sigma 1 above half of it
 constexpr double kNarrowestWindow = 0.8;  // sigma [px]
@@ -19,7 +18,7 @@ constexpr double kCentroidDone = 1e-4;        // [px]
 constexpr double kLongestCentroidStep = 0.5;  // [px]
 constexpr float kSlowLearning = 0.1F;         // of pixels in which a target is seen, against the others
 
-constexpr int kCross = 4;                          // [px]
+constexpr int kCross = kNoiseCross;                // [px]
 constexpr unsigned char kNearBlob = 1, kBlob = 2;  // marks of pixels already looked at
 
 }  // namespace
@@ -31,10 +30,13 @@ bool SpotDetector::isReady() const {
 const std::vector<Spot>& SpotDetector::detect(const GreyImage& image) {
   resize(image);
   spots_.clear();
-  image_ = image.pixels;
+  image_ = mask_.apply(image).pixels;
   smooth();
+  if (mask_.count() > 0) mask_.mendSmoothed(smoothed_);
   removeNeighbourhood();
+  if (mask_.count() > 0) mask_.mendContrast(smoothed_, contrast_);
   measureNoise();
+  if (mask_.count() > 0) mask_.mendNoise(rough_, noise_);
   std::fill(taken_.begin(), taken_.end(), 0);
   if (params_.background == SpotDetectorParams::Background::spatial || frames_ >= params_.warm_up) {
     findPeaks();
@@ -241,7 +243,7 @@ SpotDetector::Patch SpotDetector::patchAround(int u, int v) const {
   double squares = 0.0;
   for (int y = std::max(v - far, 0); y <= std::min(v + far, height_ - 1); ++y) {
     for (int x = std::max(u - far, 0); x <= std::min(u + far, width_ - 1); ++x) {
-      if (std::abs(x - u) <= near && std::abs(y - v) <= near) continue;
+      if ((std::abs(x - u) <= near && std::abs(y - v) <= near) || mask_.isBad(at(x, y))) continue;
       const Eigen::Vector3d terms(1.0, x - u, y - v);
       const double value = image_[at(x, y)] - origin;
       A += terms * terms.transpose();
@@ -260,7 +262,8 @@ SpotDetector::Patch SpotDetector::patchAround(int u, int v) const {
 
 /// (S-90): the centre c of a Gaussian window in which the spot is balanced: F(c) = sum w (x - c) d(x) = 0, w
 /// as wide as the spot, d the contrast. Its covariance is that of any such estimate: G^-1 V G^-T with G =
-/// dF/dc and V = variance of F from the noise of the pixels, sigma^2 sum w^2 (x - c)(x - c)'.
+/// dF/dc and V = variance of F from the noise of the pixels, sigma^2 sum w^2 (x - c)(x - c)'. A bad pixel has
+/// the contrast that the others lead one to expect of a spot of the window's shape (S-95).
 Spot SpotDetector::locate(const Peak& peak, const Blob& blob) const {
   const Patch patch = patchAround(peak.u, peak.v);
   const double width = std::max(std::sqrt(blob.area / kAreaAtHalf), kNarrowestWindow);
@@ -271,16 +274,20 @@ Spot SpotDetector::locate(const Peak& peak, const Blob& blob) const {
   const Eigen::Vector2d start(peak.u, peak.v);
   Eigen::Vector2d centre = start;
   Eigen::Matrix2d G = Eigen::Matrix2d::Identity(), V = Eigen::Matrix2d::Zero();
-  double signal = 0.0, window_power = 0.0;
+  double signal = 0.0, window_power = 0.0, missing_power = 0.0;
   bool is_balanced = false;
+  const auto window = [&](int x, int y) {
+    return std::exp(-0.5 * (Eigen::Vector2d(x, y) - centre).squaredNorm() / (width * width));
+  };
   for (int step = 0; step < kCentroidSteps && !is_balanced; ++step) {
     Eigen::Vector2d F = Eigen::Vector2d::Zero();
     G.setZero(), V.setZero();
-    signal = window_power = 0.0;
+    signal = window_power = missing_power = 0.0;
     for (int y = std::max(peak.v - reach, 0); y <= std::min(peak.v + reach, height_ - 1); ++y) {
       for (int x = std::max(peak.u - reach, 0); x <= std::min(peak.u + reach, width_ - 1); ++x) {
+        if (mask_.isBad(at(x, y))) continue;
         const Eigen::Vector2d from_centre = Eigen::Vector2d(x, y) - centre;
-        const double w = std::exp(-0.5 * from_centre.squaredNorm() / (width * width));
+        const double w = window(x, y);
         const double d = image_[at(x, y)] - patch.plane.dot(Eigen::Vector3d(1.0, x - peak.u, y - peak.v));
         F += w * d * from_centre;
         G += w * d * (from_centre * from_centre.transpose() / (width * width) - Eigen::Matrix2d::Identity());
@@ -289,11 +296,28 @@ Spot SpotDetector::locate(const Peak& peak, const Blob& blob) const {
         window_power += w * w;
       }
     }
+    const double amplitude = signal / window_power;
+    double shown = signal;  // by good pixels and bad ones
+    if (mask_.count() > 0) {
+      for (int y = std::max(peak.v - reach, 0); y <= std::min(peak.v + reach, height_ - 1); ++y) {
+        for (int x = std::max(peak.u - reach, 0); x <= std::min(peak.u + reach, width_ - 1); ++x) {
+          if (!mask_.isBad(at(x, y))) continue;
+          const Eigen::Vector2d from_centre = Eigen::Vector2d(x, y) - centre;
+          const double w2 = std::pow(window(x, y), 2);
+          F += amplitude * w2 * from_centre;
+          G += amplitude * w2 *
+               (2.0 * from_centre * from_centre.transpose() / (width * width) - Eigen::Matrix2d::Identity());
+          missing_power += w2;
+        }
+      }
+      if (missing_power > window_power) break;  // most of the spot is not seen
+      shown += amplitude * missing_power;
+    }
     // A spot bends F downhill: -G / signal is positive definite. Where it is not, the window sees something
     // else.
-    const Eigen::Matrix2d slope = -G / signal;
+    const Eigen::Matrix2d slope = -G / shown;
     if (!(slope.determinant() > 1e-3) || !(slope.trace() > 0.0)) break;
-    Eigen::Vector2d move = slope.inverse() * F / signal;
+    Eigen::Vector2d move = slope.inverse() * F / shown;
     if (move.norm() > kLongestCentroidStep) move *= kLongestCentroidStep / move.norm();
     is_balanced = move.norm() < kCentroidDone;
     if (!is_balanced) centre += move;
@@ -320,6 +344,7 @@ void SpotDetector::learn() {
   if (params_.background == SpotDetectorParams::Background::spatial) return;
   const float rate = 1.0F / static_cast<float>(std::min(frames_, params_.memory));
   for (std::size_t i = 0; i < contrast_.size(); ++i) {
+    if (!mask_.isKnown(i)) continue;
     const float share = taken_[i] == kBlob ? kSlowLearning * rate : rate;
     mean_[i] += share * (contrast_[i] - mean_[i]);
   }

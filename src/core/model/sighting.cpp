@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "sightline/core/model/angle_range.h"
 #include "sightline/core/model/sphere.h"
 
 namespace sightline::core {
@@ -14,12 +15,27 @@ constexpr double kSmallestSigma = 1e-9;      // [rad]: a thousandth of an arc se
 constexpr double kLargestSigma = kPi / 2.0;  // [rad]: beyond, the sighting says nothing about the direction
 constexpr double kAsymmetry = 1e-6;          // relative to the geometric mean of the variances
 
+/// Arc on the sphere by one radian of azimuth (S-12): the cosine of the elevation. At a pole an azimuth
+/// variance would shrink to nothing; there the elevation is still uncertain by its sigma, which holds the
+/// target off the pole by as much, up to an arc as long as that sigma itself.
+double arcOfAzimuth(double elevation, const Eigen::Matrix2d& covariance) {
+  const double cosine = std::max(std::cos(elevation), 0.0);
+  const double sigma_azimuth = std::sqrt(covariance(0, 0)), sigma_elevation = std::sqrt(covariance(1, 1));
+  if (!(cosine * sigma_azimuth < kSmallestSigma)) return cosine;
+  return std::max(cosine, std::min(sigma_elevation, sigma_elevation / sigma_azimuth));
+}
+
 }  // namespace
 
 Sighting sightingOf(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance, double snr) {  // (S-12)
-  const Eigen::Matrix<double, 3, 2> D = directionJacobian(angles);
+  const Eigen::Vector2d on_sphere(angles.x(), withinPoles(angles.y()));
+  Eigen::Matrix<double, 3, 2> D = directionJacobian(on_sphere);
+  const double arc = arcOfAzimuth(on_sphere.y(), covariance);
+  if (arc != std::cos(on_sphere.y())) {
+    D.col(0) = arc * Eigen::Vector3d(-std::sin(angles.x()), std::cos(angles.x()), 0.0);
+  }
   Sighting sighting;
-  sighting.direction = directionOf(angles);
+  sighting.direction = directionOf(on_sphere);
   sighting.covariance = symmetric(D * covariance * D.transpose());
   sighting.snr = snr;
   return sighting;
@@ -44,7 +60,7 @@ std::optional<std::string> rejectionOf(const Eigen::Vector2d& angles, const Eige
         << ") rad is not finite: leave such sightings out";
     return why.str();
   }
-  if (std::abs(angles.x()) > 2.0 * kPi || std::abs(angles.y()) > kPi / 2.0) {
+  if (!isAzimuth(angles.x()) || !isElevation(angles.y())) {
     why << "direction (" << angles.x() << ", " << angles.y()
         << ") rad is off the sphere: azimuth within +-2 pi, elevation within +-pi/2; are these degrees?";
     return why.str();
@@ -65,9 +81,9 @@ std::optional<std::string> rejectionOf(const Eigen::Vector2d& angles, const Eige
   }
   // Judged on the sphere, where azimuth shrinks with the cosine of the elevation.
   Eigen::Matrix2d on_sphere = covariance;
-  const double cosine = std::max(std::cos(angles.y()), kSmallestSigma);
-  on_sphere.row(0) *= cosine;
-  on_sphere.col(0) *= cosine;
+  const double arc = std::max(arcOfAzimuth(withinPoles(angles.y()), covariance), kSmallestSigma);
+  on_sphere.row(0) *= arc;
+  on_sphere.col(0) *= arc;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
   const Eigen::Vector2d variances = eigen.computeDirect(on_sphere, Eigen::EigenvaluesOnly).eigenvalues();
   if (!(variances(0) >= kSmallestSigma * kSmallestSigma)) {

@@ -3,11 +3,19 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <limits>
 
+#include "sightline/core/model/angle_range.h"
+#include "sightline/core/model/sphere.h"
 #include "sightline/ros/adapters/adapter_messages.h"
 
 namespace sightline_ros {
+
+namespace core = sightline::core;
+
 namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// The value of a field by its name or path. Throws FieldError.
 using Value = std::function<double(const std::string& field)>;
@@ -16,19 +24,31 @@ double valueOf(const Quantity& quantity, const Value& value) {
   return quantity.field.empty() ? quantity.offset : quantity.scale * value(quantity.field) + quantity.offset;
 }
 
+/// An azimuth and what is added to it make an azimuth again, wherever between -pi and pi that is. What is no
+/// azimuth by itself (degrees for radians) does not become one.
+double azimuthOf(const Quantity& quantity, const Value& value) {
+  if (quantity.field.empty()) return core::wrapAngle(quantity.offset);
+  const double azimuth = quantity.scale * value(quantity.field);
+  if (quantity.offset == 0.0 || !core::isAzimuth(azimuth)) return azimuth;
+  return core::wrapAngle(azimuth + quantity.offset);
+}
+
 bool statesSpread(const Quantity& quantity) {
   return !quantity.variance.empty() || !quantity.sigma.empty();
 }
 
 /// In the square of rad, m or px. A negative sigma stays negative: it means "not known", as a negative
-/// variance.
+/// variance; a number that stands for "not known" in the field's unit becomes infinite.
 double varianceOf(const Quantity& quantity, const Value& value) {
-  if (!quantity.variance.empty()) return quantity.scale * quantity.scale * value(quantity.variance);
-  const double sigma = std::abs(quantity.scale) * value(quantity.sigma);
+  const double stated = value(quantity.variance.empty() ? quantity.sigma : quantity.variance);
+  if (standsForUnknown(stated)) return kInfinite;
+  if (!quantity.variance.empty()) return quantity.scale * quantity.scale * stated;
+  const double sigma = std::abs(quantity.scale) * stated;
   return std::abs(sigma) * sigma;
 }
 
-/// nullopt when no axis has a field for it. An axis without one has the configured sigma.
+/// nullopt when no axis has a field for it. An axis without one has the configured sigma, given as that of
+/// the axis.
 template <int kAxes>
 std::optional<Eigen::Matrix<double, kAxes, kAxes>> covarianceOf(const FieldMap& map, const Value& value,
                                                                 const std::optional<Eigen::Vector2d>& sigma) {
@@ -56,12 +76,16 @@ void addSighting(Reading& reading, const AdapterTopic& topic, const Value& value
   const double snr = snrOf(map, value);
   const auto axis = [&](std::size_t i) { return valueOf(map.axes[i], value); };
   switch (map.form) {
-    case FieldMap::Form::angles:
-      return reading.addAngles({axis(0), axis(1)}, covarianceOf<2>(map, value, topic.sigma), snr);
+    case FieldMap::Form::angles: {
+      const Eigen::Vector2d angles(azimuthOf(map.axes[0], value), axis(1));
+      return reading.addAngles(angles, covarianceOf<2>(map, value, reading.sigmaOfAngles(angles.y())), snr);
+    }
     case FieldMap::Form::point:
       return reading.addPoint({axis(0), axis(1), axis(2)}, covarianceOf<3>(map, value, std::nullopt), snr);
     case FieldMap::Form::pixel:
       return reading.addPixel({axis(0), axis(1)}, covarianceOf<2>(map, value, topic.sigma_px), rays, snr);
+    case FieldMap::Form::corners:
+      return reading.addBox({axis(0), axis(2)}, {axis(1), axis(3)}, rays, snr);
   }
 }
 
@@ -170,17 +194,26 @@ Reading read(const Bytes& message, const MessageLayout& layout, const AdapterTop
              const PixelRays* rays) {
   const FieldMap& map = topic.fields;
   const MessageLayout::Place whole = layout.whole();
+  std::vector<MessageLayout::Place> places = {whole};
+  if (!map.each.empty()) places = layout.elements(message, layout.find(message, whole, map.each));
+  // Of an empty list no element has a header: the message's own one serves, if there is one.
+  std::string path = map.header;
+  if (places.empty() && layout.has(path) && !layout.exists(message, whole, path)) path = "header";
   std_msgs::Header header;
-  if (layout.has(map.header)) {
-    header.stamp = layout.time(message, whole, map.header + ".stamp");
-    header.frame_id = layout.text(message, whole, map.header + ".frame_id");
+  const bool has_header = layout.has(path);
+  if (has_header) {
+    header.stamp = layout.time(message, whole, path + ".stamp");
+    header.frame_id = layout.text(message, whole, path + ".frame_id");
   }
-  if (map.form == FieldMap::Form::pixel && rays != nullptr && header.frame_id.empty()) {
+  if (!topic.camera_info.empty() && rays != nullptr && header.frame_id.empty()) {
     header.frame_id = rays->frame();
   }
   Reading reading(topic, header);
-  std::vector<MessageLayout::Place> places = {whole};
-  if (!map.each.empty()) places = layout.elements(message, layout.find(message, whole, map.each));
+  if (!has_header && path != map.header && !topic.stamp_on_arrival) {
+    reading.refuse("no stamp", "the list " + map.each + " is empty, and with it there is no " + map.header +
+                                   ": set stamp: arrival (and frame) for this topic, so that an empty list "
+                                   "can mean that nothing was seen");
+  }
   for (const MessageLayout::Place& place : places) {
     if (reading.offered() > static_cast<std::size_t>(topic.max_sightings)) break;
     addSighting(

@@ -66,13 +66,14 @@ double scaleOf(const ParamReader& reader, Form form) {
 Quantity loadQuantity(const ParamReader& reader, Form form, const std::string& default_field) {
   Quantity quantity;
   quantity.field = default_field.empty() ? reader.requiredText("field") : reader.text("field", default_field);
-  const int sign = reader.integer("sign", 1, -1, 1);
+  const int sign = form == Form::corners ? 1 : reader.integer("sign", 1, -1, 1);
   if (sign == 0) throw reader.error("sign", "expected 1 or -1, got 0");
   quantity.scale = sign * scaleOf(reader, form);
   quantity.offset = reader.number("offset", 0.0, anyNumber(),
                                   form == Form::angles  ? "rad"
                                   : form == Form::point ? "m"
                                                         : "px");
+  if (form == Form::corners) return quantity;
   quantity.sigma = reader.text("sigma", "");
   quantity.variance = reader.text("variance", "");
   if (!quantity.sigma.empty() && !quantity.variance.empty()) {
@@ -86,18 +87,20 @@ Form formOf(const ParamReader& reader, bool is_cloud) {
   const bool angles = reader.has("azimuth") || reader.has("elevation");
   const bool point = reader.has("x") || reader.has("y") || reader.has("z");
   const bool pixel = reader.has("u") || reader.has("v");
-  if (angles + point + pixel == 0 && is_cloud) return Form::point;
-  if (angles + point + pixel != 1) {
+  const bool corners = reader.has("xmin") || reader.has("xmax") || reader.has("ymin") || reader.has("ymax");
+  const int forms = angles + point + pixel + corners;
+  if (forms == 0 && is_cloud) return Form::point;
+  if (forms != 1) {
     throw reader.error(
-        angles  ? "azimuth"
-        : point ? "x"
-        : pixel ? "u"
-                : "type",
+        angles    ? "azimuth"
+        : point   ? "x"
+        : pixel   ? "u"
+        : corners ? "xmin"
+                  : "type",
         "expected the fields of a sighting in one form: azimuth (and elevation), or x, y and z, or u and v "
-        "with "
-        "camera_info; got " +
-            std::string(angles + point + pixel == 0 ? "none (types read without them: "
-                                                    : "several (types read without them: ") +
+        "with camera_info, or xmin, xmax, ymin and ymax with camera_info; got " +
+            std::string(forms == 0 ? "none (types read without them: "
+                                   : "several (types read without them: ") +
             [] {
               std::vector<std::string> names;
               for (const auto& kind : kinds()) names.push_back(kind.first);
@@ -105,7 +108,7 @@ Form formOf(const ParamReader& reader, bool is_cloud) {
             }() +
             ")");
   }
-  return angles ? Form::angles : point ? Form::point : Form::pixel;
+  return angles ? Form::angles : point ? Form::point : pixel ? Form::pixel : Form::corners;
 }
 
 FieldMap loadFields(const ParamReader& reader, bool is_cloud) {
@@ -130,8 +133,10 @@ FieldMap loadFields(const ParamReader& reader, bool is_cloud) {
       throw reader.error("x", "expected sigma or variance fields for all of x, y and z or for none, got " +
                                   std::to_string(stated));
     }
-  } else {
+  } else if (map.form == Form::pixel) {
     for (const char* key : {"u", "v"}) axis(key, false);
+  } else {
+    for (const char* key : {"xmin", "xmax", "ymin", "ymax"}) axis(key, false);
   }
   if (reader.has("snr")) {
     const ParamReader snr = reader.sub("snr");
@@ -165,7 +170,7 @@ bool carriesCovariance(const AdapterTopic& topic) {
 bool isInPixels(const AdapterTopic& topic) {
   const bool by_fields = topic.kind == Kind::cloud || topic.kind == Kind::fields;
   return topic.kind == Kind::pixel || topic.kind == Kind::box ||
-         (by_fields && topic.fields.form == Form::pixel);
+         (by_fields && (topic.fields.form == Form::pixel || topic.fields.form == Form::corners));
 }
 
 /// Everything that says how well a sighting is known.
@@ -189,6 +194,19 @@ void loadCamera(const ParamReader& reader, AdapterTopic& topic) {
   topic.is_optical = true;
 }
 
+/// What zeros mean, where messages have vectors or corners. In lists with a fixed number of slots unused
+/// ones are zero.
+void loadZeros(const ParamReader& reader, AdapterTopic& topic) {
+  const bool by_fields = topic.kind == Kind::cloud || topic.kind == Kind::fields;
+  const bool has_zeros =
+      by_fields ? topic.fields.form == Form::point || topic.fields.form == Form::corners
+                : topic.kind != Kind::pixel && topic.kind != Kind::box && topic.kind != Kind::laser;
+  if (!has_zeros) return;
+  const bool is_list = topic.kind == Kind::cloud || !topic.fields.each.empty();
+  topic.zero_is_nothing =
+      reader.choice("zeros", is_list ? "nothing" : "refused", {"nothing", "refused"}) == "nothing";
+}
+
 AdapterTopic loadTopic(const ParamReader& reader) {
   AdapterTopic topic;
   topic.topic = reader.requiredText("topic");
@@ -204,6 +222,7 @@ AdapterTopic loadTopic(const ParamReader& reader) {
     topic.fields = loadFields(reader, topic.kind == Kind::cloud);
   }
   if (topic.kind == Kind::laser) topic.laser = loadLaser(reader);
+  loadZeros(reader, topic);
   loadNoise(reader, topic);
   loadCamera(reader, topic);
   if (!isInPixels(topic)) topic.is_optical = reader.flag("optical", false);

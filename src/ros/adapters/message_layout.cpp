@@ -49,7 +49,7 @@ double numberAt(const Bytes& message, const std::string& type, std::size_t offse
   throw FieldError("is of type " + type + ", not a number");
 }
 
-/// A step of a path: a name, and perhaps an index.
+/// A step of a path: a name, and perhaps an index, as name[0] or as name.0.
 struct Step {
   std::string name;
   std::optional<std::size_t> index;
@@ -71,11 +71,21 @@ Step stepOf(const std::string& word, const std::string& path) {
   return step;
 }
 
+bool isIndex(const std::string& word) {
+  return !word.empty() && word.size() < 10 && word.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// Slashes serve as dots, as in names of topics and parameters, and a first one says nothing.
 std::vector<Step> stepsOf(const std::string& path) {
   std::vector<Step> steps;
-  for (std::size_t start = 0; start <= path.size();) {
-    const std::size_t end = std::min(path.find('.', start), path.size());
-    steps.push_back(stepOf(path.substr(start, end - start), path));
+  for (std::size_t start = !path.empty() && path.front() == '/' ? 1 : 0; start <= path.size();) {
+    const std::size_t end = std::min(path.find_first_of("./", start), path.size());
+    const std::string word = path.substr(start, end - start);
+    if (isIndex(word) && !steps.empty() && !steps.back().index) {
+      steps.back().index = std::stoul(word);
+    } else {
+      steps.push_back(stepOf(word, path));
+    }
     start = end + 1;
   }
   return steps;
@@ -158,13 +168,30 @@ bool MessageLayout::has(const std::string& path) const {
   return true;
 }
 
+bool MessageLayout::exists(const Bytes& message, const Place& from, const std::string& path) const {
+  return has(path) && findIn(message, from, path, nullptr).has_value();
+}
+
 MessageLayout::Place MessageLayout::find(const Bytes& message, const Place& from,
                                          const std::string& path) const {
+  std::string complaint;
+  if (const auto place = findIn(message, from, path, &complaint)) return *place;
+  throw within(path, complaint);
+}
+
+/// nullopt with the complaint when there is none of that name or number.
+std::optional<MessageLayout::Place> MessageLayout::findIn(const Bytes& message, const Place& from,
+                                                          const std::string& path,
+                                                          std::string* complaint) const {
+  const auto none = [complaint](const std::string& why) {
+    if (complaint != nullptr) *complaint = why;
+    return std::nullopt;
+  };
   Place place = from;
   for (const Step& step : stepsOf(path)) {
-    if (place.array_size) throw within(path, "goes through an array: give an index, or name it under `each`");
+    if (place.array_size) return none("goes through an array: give an index, or name it under `each`");
     const auto fields = fields_.find(place.type);
-    if (fields == fields_.end()) throw within(path, "goes below a " + place.type);
+    if (fields == fields_.end()) return none("goes below a " + place.type);
     std::size_t offset = place.offset;
     bool is_here = false;
     std::string names;
@@ -178,12 +205,11 @@ MessageLayout::Place MessageLayout::find(const Bytes& message, const Place& from
       }
       offset = endOf(message, next);
     }
-    if (!is_here) throw within(path, "does not exist: " + place.type + " has " + names);
+    if (!is_here) return none("does not exist: " + place.type + " has " + names);
     if (!step.index) continue;
-    if (!place.array_size) throw within(path, "has an index, but " + step.name + " is no array");
+    if (!place.array_size) return none("has an index, but " + step.name + " is no array");
     if (*step.index >= *place.array_size) {
-      throw within(
-          path, "does not exist: " + step.name + " has " + std::to_string(*place.array_size) + " elements");
+      return none("does not exist: " + step.name + " has " + std::to_string(*place.array_size) + " elements");
     }
     for (std::size_t i = 0; i < *step.index; ++i) place.offset = endOfOne(message, place.type, place.offset);
     place.array_size.reset();

@@ -1,9 +1,8 @@
 #include "sightline/ros/adapters/pixel_rays.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <image_geometry/pinhole_camera_model.h>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -12,6 +11,7 @@
 #include <sensor_msgs/distortion_models.h>
 
 #include "sightline/core/model/line_of_sight.h"
+#include "sightline/core/model/sphere.h"
 
 namespace sightline_ros {
 
@@ -19,45 +19,125 @@ namespace core = sightline::core;
 
 namespace {
 
-constexpr double kJacobianStep = 0.05;     // [px]: central differences of a smooth function
-constexpr int kNewtonSteps = 20;           // image_geometry's own inversion is left at 5 fixed-point steps
-constexpr double kRaysAgree = 1e-6;        // [px]
-constexpr double kSmallestStretch = 1e-3;  // |det| of d raw / d rectified: below, the image folds over
+constexpr double kRotationTolerance = 1e-2;  // of R times its transpose: calibrations are written rounded
+constexpr int kGrid = 48;                    // pixels a side that are tried for rays
 
 unsigned reduced(unsigned full, unsigned of_region, unsigned binning) {
   return (of_region > 0 ? of_region : full) / std::max(binning, 1u);
 }
 
+bool isZero(double value) {
+  return value == 0.0;
+}
+
+template <typename Numbers>
+bool isFinite(const Numbers& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double value) { return std::isfinite(value); });
+}
+
+bool isEquidistant(const sensor_msgs::CameraInfo& camera) {
+  return camera.distortion_model == sensor_msgs::distortion_models::EQUIDISTANT;
+}
+
+bool hasProjection(const sensor_msgs::CameraInfo& camera) {
+  return !isZero(camera.P[0]);
+}
+
+/// A camera that is alone may leave R out.
+Eigen::Matrix3d rotationOf(const sensor_msgs::CameraInfo& camera) {
+  if (std::all_of(camera.R.begin(), camera.R.end(), isZero)) return Eigen::Matrix3d::Identity();
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(camera.R.data());
+}
+
+/// Focal lengths, skew and principal point of the image at hand: those of P for a rectified one (of K, where
+/// P is left out), else those of K.
+struct Intrinsics {
+  double fx, skew, cx, fy, cy;
+};
+
+Intrinsics intrinsicsOf(const sensor_msgs::CameraInfo& camera, bool rectified) {
+  const auto &K = camera.K, &P = camera.P;
+  if (rectified && hasProjection(camera)) return {P[0], P[1], P[2], P[5], P[6]};
+  return {K[0], K[1], K[2], K[4], K[5]};
+}
+
+core::Lens lensOf(const sensor_msgs::CameraInfo& camera, bool rectified) {
+  if (rectified) return core::Lens::perspective({});
+  return isEquidistant(camera) ? core::Lens::equidistant(camera.D) : core::Lens::perspective(camera.D);
+}
+
+std::optional<std::string> faultOfFocalLengths(const sensor_msgs::CameraInfo& camera, bool rectified) {
+  std::ostringstream why;
+  const bool by_projection = rectified && hasProjection(camera);
+  if (!by_projection && camera.K[0] == 0.0) {
+    why << "the camera is not calibrated (K[0] = 0 in its CameraInfo): calibrate it with camera_calibration";
+    if (hasProjection(camera)) {
+      why << ", or set rectified: true where the pixels are of the rectified image, which its P describes";
+    }
+    return why.str();
+  }
+  const Intrinsics intrinsics = intrinsicsOf(camera, rectified);
+  const bool is_finite = by_projection ? isFinite(camera.P) : isFinite(camera.K);
+  const double last = by_projection ? camera.P[10] : camera.K[8];
+  if (is_finite && intrinsics.fx > 0.0 && intrinsics.fy > 0.0 && last > 0.0) return std::nullopt;
+  const std::array<const char*, 3> names = by_projection ? std::array<const char*, 3>{"P[0]", "P[5]", "P[10]"}
+                                                         : std::array<const char*, 3>{"K[0]", "K[4]", "K[8]"};
+  why << "the camera's calibration makes no sense (focal lengths " << names[0] << " = " << intrinsics.fx
+      << ", " << names[1] << " = " << intrinsics.fy << " px, " << names[2] << " = " << last
+      << "): positive focal lengths and " << names[2] << " = 1 are expected";
+  return why.str();
+}
+
+std::optional<std::string> faultOfDistortion(const sensor_msgs::CameraInfo& camera) {
+  using namespace sensor_msgs::distortion_models;
+  std::ostringstream why;
+  const std::string& model = camera.distortion_model;
+  if (!model.empty() && model != PLUMB_BOB && model != RATIONAL_POLYNOMIAL && model != EQUIDISTANT) {
+    why << "the distortion model \"" << model
+        << "\" is not known here: plumb_bob, rational_polynomial or equidistant is expected";
+    return why.str();
+  }
+  const std::size_t most = isEquidistant(camera) ? 4 : 14;
+  const bool is_long =
+      camera.D.size() > most &&
+      !std::all_of(camera.D.begin() + static_cast<std::ptrdiff_t>(most), camera.D.end(), isZero);
+  const bool is_short = camera.D.size() < 4 && !std::all_of(camera.D.begin(), camera.D.end(), isZero);
+  if (is_long || is_short) {
+    why << "the distortion model \"" << model << "\" has " << camera.D.size()
+        << " coefficients D: none or 4 are expected of equidistant, none, 4, 5, 8, 12 or 14 of the others";
+    return why.str();
+  }
+  if (!isFinite(camera.D)) return "a distortion coefficient D is not finite: calibrate the camera again";
+  return std::nullopt;
+}
+
+std::optional<std::string> faultOfRotation(const sensor_msgs::CameraInfo& camera) {
+  const Eigen::Matrix3d R = rotationOf(camera);
+  const Eigen::Matrix3d product = R * R.transpose();
+  if (R.allFinite() && product.isApprox(Eigen::Matrix3d::Identity(), kRotationTolerance) &&
+      R.determinant() > 0.0) {
+    return std::nullopt;
+  }
+  std::ostringstream why;
+  why << "the camera's R is no rotation (determinant " << R.determinant()
+      << "): a camera that is not one of a stereo pair has the identity there";
+  return why.str();
+}
+
 }  // namespace
 
-std::optional<core::Refusal> refusalOf(const sensor_msgs::CameraInfo& camera) {
+std::optional<core::Refusal> refusalOf(const sensor_msgs::CameraInfo& camera, bool rectified) {
   const std::string kind = "camera not calibrated";
-  std::ostringstream why;
-  if (camera.K[0] == 0.0) {
-    why << "the camera is not calibrated (K[0] = 0 in its CameraInfo): calibrate it with camera_calibration";
-    return core::Refusal{kind, why.str()};
-  }
-  const bool is_finite =
-      std::all_of(camera.K.begin(), camera.K.end(), [](double k) { return std::isfinite(k); });
-  if (!is_finite || !(camera.K[0] > 0.0) || !(camera.K[4] > 0.0) || !(camera.K[8] > 0.0)) {
-    why << "the camera's calibration makes no sense (focal lengths K[0] = " << camera.K[0]
-        << ", K[4] = " << camera.K[4] << " px, K[8] = " << camera.K[8]
-        << "): positive focal lengths and K[8] = 1 are expected";
-    return core::Refusal{kind, why.str()};
-  }
+  if (const auto why = faultOfFocalLengths(camera, rectified)) return core::Refusal{kind, *why};
   if (camera.width == 0 || camera.height == 0) {
+    std::ostringstream why;
     why << "the camera's CameraInfo states an image of " << camera.width << "x" << camera.height
         << " pixels: its driver must fill width and height in";
     return core::Refusal{kind, why.str()};
   }
-  const std::set<std::string> known = {"", sensor_msgs::distortion_models::PLUMB_BOB,
-                                       sensor_msgs::distortion_models::RATIONAL_POLYNOMIAL,
-                                       sensor_msgs::distortion_models::EQUIDISTANT};
-  if (known.count(camera.distortion_model) == 0) {
-    why << "the distortion model \"" << camera.distortion_model
-        << "\" is not known here: plumb_bob, rational_polynomial or equidistant is expected";
-    return core::Refusal{kind, why.str()};
-  }
+  if (rectified) return std::nullopt;
+  if (const auto why = faultOfDistortion(camera)) return core::Refusal{kind, *why};
+  if (const auto why = faultOfRotation(camera)) return core::Refusal{kind, *why};
   return std::nullopt;
 }
 
@@ -85,40 +165,74 @@ sensor_msgs::CameraInfo pinholeCamera(unsigned width, unsigned height, const Eig
 
 PixelRays::PixelRays(const sensor_msgs::CameraInfo& camera, bool rectified)
     : camera_(camera),
-      rectified_(rectified),
       width_(reduced(camera.width, camera.roi.width, camera.binning_x)),
-      height_(reduced(camera.height, camera.roi.height, camera.binning_y)) {
-  if (const auto refusal = refusalOf(camera)) throw std::invalid_argument(refusal->detail);
-  // A camera that is alone may leave R and P out: its rectified image is then that of K.
-  if (camera_.P[0] == 0.0) {
-    const auto& K = camera_.K;
-    camera_.P = {K[0], K[1], K[2], 0.0, K[3], K[4], K[5], 0.0, K[6], K[7], K[8], 0.0};
-  }
-  if (std::all_of(camera_.R.begin(), camera_.R.end(), [](double r) { return r == 0.0; })) {
-    camera_.R = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
-  }
-  if (camera_.distortion_model.empty()) camera_.distortion_model = sensor_msgs::distortion_models::PLUMB_BOB;
-  const auto model = std::make_shared<image_geometry::PinholeCameraModel>();
-  model->fromCameraInfo(camera_);
-  model_ = model;
+      height_(reduced(camera.height, camera.roi.height, camera.binning_y)),
+      lens_(core::Lens::perspective({})) {
+  if (const auto refusal = refusalOf(camera, rectified)) throw std::invalid_argument(refusal->detail);
+  lens_ = lensOf(camera, rectified);
+  R_optical_camera_ = rectified ? Eigen::Matrix3d::Identity() : rotationOf(camera);
+  // (S-94): K and P are those of the whole image without binning. A pixel that joins n x n lies between them.
+  const Intrinsics of_all = intrinsicsOf(camera, rectified);
+  const Eigen::Vector2d binning(std::max(camera.binning_x, 1u), std::max(camera.binning_y, 1u));
+  const Eigen::Vector2d region(camera.roi.x_offset, camera.roi.y_offset);
+  const Eigen::Vector2d centre(of_all.cx, of_all.cy);
+  principal_point_ = (centre - region - 0.5 * (binning - Eigen::Vector2d::Ones())).cwiseQuotient(binning);
+  Eigen::Matrix2d focal_lengths;
+  focal_lengths << of_all.fx, of_all.skew, 0.0, of_all.fy;
+  image_by_pixel_ = focal_lengths.inverse() * binning.asDiagonal();
+  share_without_ray_ = countWithoutRay();
+}
+
+/// At a focal length of 1, with the axis at (0, 0).
+Eigen::Vector2d PixelRays::imageOf(const Eigen::Vector2d& pixel) const {
+  return image_by_pixel_ * (pixel - principal_point_);
 }
 
 std::optional<core::Sighting> PixelRays::sightingAt(const Eigen::Vector2d& pixel,
                                                     const Eigen::Matrix2d& covariance) const {
-  if (!pixel.allFinite()) return std::nullopt;
-  const auto rectified = rectify(pixel);
-  if (!rectified) return std::nullopt;
-  const Eigen::Matrix2d rectified_by_raw =
-      rectified->raw_by_rectified.inverse();  // rectify() saw to its size
+  const auto ray = lens_.rayAt(imageOf(pixel));
+  if (!ray) return std::nullopt;
+  const Eigen::Matrix<double, 3, 2> J = R_optical_camera_ * ray->jacobian * image_by_pixel_;
+  return core::sightingOfPoint(R_optical_camera_ * ray->direction, J * covariance * J.transpose());
+}
 
-  const cv::Point3d ray = model_->projectPixelTo3dRay({rectified->pixel.x(), rectified->pixel.y()});
-  Eigen::Matrix<double, 3, 2> J =
-      Eigen::Matrix<double, 3, 2>::Zero();  // d ray / d rectified pixel; ray.z is 1
-  J(0, 0) = 1.0 / model_->fx();
-  J(1, 1) = 1.0 / model_->fy();
-  J *= rectified_by_raw;
+std::optional<std::string> PixelRays::whyNoRay(const Eigen::Vector2d& pixel) const {
+  if (lens_.rayAt(imageOf(pixel))) return std::nullopt;
+  std::ostringstream why;
+  why << "no ray of the camera's distortion model falls on pixel (" << pixel.x() << ", " << pixel.y()
+      << "): it is " << imageOf(pixel).norm() << " focal lengths from the centre, and the model ends at "
+      << lens_.edgeRadius() << " (" << lens_.edgeAngle() / core::kDegree
+      << " deg off the axis), where it bends back. Calibrate with the target in the corners, or leave such "
+         "pixels out";
+  return why.str();
+}
 
-  return core::sightingOfPoint({ray.x, ray.y, ray.z}, J * covariance * J.transpose());
+std::string PixelRays::warning() const {
+  if (share_without_ray_ == 0.0) return "";
+  std::ostringstream text;
+  text << "no ray falls on about " << 100.0 * share_without_ray_
+       << " % of the pixels: the camera's distortion model ends at " << lens_.edgeRadius()
+       << " focal lengths from the centre of the image (" << lens_.edgeAngle() / core::kDegree
+       << " deg off the axis), where it bends back. Detections beyond are refused; calibrate with the target "
+          "in the corners";
+  return text.str();
+}
+
+double PixelRays::countWithoutRay() const {
+  const auto has_ray = [this](int i, int j) {
+    const Eigen::Vector2d pixel(i * (width_ - 1.0) / kGrid, j * (height_ - 1.0) / kGrid);
+    return lens_.rayAt(imageOf(pixel)).has_value();
+  };
+  // The lens ends round its centre: where all of the border has rays, all of the image has.
+  bool all_of_border = true;
+  for (int i = 0; i <= kGrid && all_of_border; ++i) {
+    all_of_border = has_ray(i, 0) && has_ray(i, kGrid) && has_ray(0, i) && has_ray(kGrid, i);
+  }
+  if (all_of_border) return 0.0;
+  int without = 0;
+  for (int i = 0; i <= kGrid; ++i)
+    for (int j = 0; j <= kGrid; ++j) without += has_ray(i, j) ? 0 : 1;
+  return without / ((kGrid + 1.0) * (kGrid + 1.0));
 }
 
 bool PixelRays::isOnImage(const Eigen::Vector2d& pixel) const {
@@ -126,37 +240,7 @@ bool PixelRays::isOnImage(const Eigen::Vector2d& pixel) const {
 }
 
 double PixelRays::ifov() const {
-  return 1.0 / std::sqrt(model_->fx() * model_->fy());
-}
-
-std::optional<PixelRays::Rectified> PixelRays::rectify(const Eigen::Vector2d& raw) const {
-  if (rectified_) return Rectified{raw, Eigen::Matrix2d::Identity()};
-  const cv::Point2d start = model_->rectifyPoint({raw.x(), raw.y()});
-  Rectified found{{start.x, start.y}, Eigen::Matrix2d::Identity()};
-  for (int step = 0; step < kNewtonSteps && found.pixel.allFinite(); ++step) {
-    const Eigen::Vector2d miss = raw - distort(found.pixel);
-    found.raw_by_rectified = distortionJacobian(found.pixel);
-    // The scale between raw and rectified image is free: compare with the focal lengths'.
-    const double scale =
-        model_->intrinsicMatrix()(0, 0) * model_->intrinsicMatrix()(1, 1) / (model_->fx() * model_->fy());
-    if (!(found.raw_by_rectified.determinant() > kSmallestStretch * scale)) return std::nullopt;
-    if (miss.norm() < kRaysAgree) return found;
-    found.pixel += found.raw_by_rectified.inverse() * miss;
-  }
-  return std::nullopt;
-}
-
-Eigen::Vector2d PixelRays::distort(const Eigen::Vector2d& rectified) const {
-  const cv::Point2d raw = model_->unrectifyPoint({rectified.x(), rectified.y()});
-  return {raw.x, raw.y};
-}
-
-Eigen::Matrix2d PixelRays::distortionJacobian(const Eigen::Vector2d& rectified) const {
-  const Eigen::Vector2d right(kJacobianStep, 0.0), down(0.0, kJacobianStep);
-  Eigen::Matrix2d jacobian;
-  jacobian.col(0) = (distort(rectified + right) - distort(rectified - right)) / (2.0 * kJacobianStep);
-  jacobian.col(1) = (distort(rectified + down) - distort(rectified - down)) / (2.0 * kJacobianStep);
-  return jacobian;
+  return std::sqrt(image_by_pixel_.determinant());
 }
 
 }  // namespace sightline_ros

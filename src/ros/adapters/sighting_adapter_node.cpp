@@ -14,7 +14,8 @@ namespace {
 
 using Kind = AdapterTopic::Kind;
 
-constexpr std::uint32_t kQueue = 1000;  // messages a topic
+constexpr std::uint32_t kQueue = 1000;   // messages a topic
+constexpr double kCameraWarning = 60.0;  // between two of them, while a camera zooms [s]
 
 std::vector<std::uint8_t> bytesOf(const topic_tools::ShapeShifter& message) {
   std::vector<std::uint8_t> bytes(message.size());
@@ -93,13 +94,16 @@ void SightingAdapterNode::onCameraInfo(Source& source, const sensor_msgs::Camera
     source.rays->setStamp(camera.header.stamp);
     return;
   }
-  if (const auto refusal = refusalOf(camera)) {
+  if (const auto refusal = refusalOf(camera, source.topic.is_rectified)) {
     source.rays.reset();
     note({refusal->kind, "topic " + source.topic.camera_info + ": " + refusal->detail});
     return;
   }
   source.rays.emplace(camera, source.topic.is_rectified);
   source.camera = camera;
+  if (const std::string warning = source.rays->warning(); !warning.empty()) {
+    ROS_WARN_STREAM_THROTTLE(kCameraWarning, "topic " << source.topic.camera_info << ": " << warning);
+  }
 }
 
 void SightingAdapterNode::onAnyMessage(Source& source, const topic_tools::ShapeShifter& message) {
@@ -130,9 +134,11 @@ void SightingAdapterNode::publish(Source& source, const Reading& reading) {
   ++source.message_count;
   if (reading.unknown_covariances > 0 && source.sigma_count == 0) {
     ROS_WARN_STREAM("topic " << source.topic.topic << ": the messages' covariance says nothing ("
-                             << reading.first_unknown << "); the configured sigma is taken from here on");
+                             << reading.first_unknown
+                             << "); the configured sigma is taken in its place from here on");
   }
   source.sigma_count += reading.unknown_covariances;
+  source.unused_count += reading.unused_slots;
   const AdaptedScan adapted = adapt(reading, source.topic, ros::Time::now());
   for (const sightline::core::Refusal& refusal : adapted.refusals) note(refusal);
   if (!adapted.scan) return;
@@ -156,6 +162,10 @@ void SightingAdapterNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& 
     status.add(name + ": messages", source->message_count);
     status.add(name + ": sightings", source->sighting_count);
     status.add(name + ": covariance not known, sigma taken", source->sigma_count);
+    if (source->unused_count > 0) status.add(name + ": unused slots (zeros)", source->unused_count);
+    if (source->rays && source->rays->shareWithoutRay() > 0.0) {
+      status.addf(name + ": pixels without a ray [%]", "%.2f", 100.0 * source->rays->shareWithoutRay());
+    }
     if (source->message_count == 0) {
       status.mergeSummary(DiagnosticStatus::WARN, "no message yet on " + source->topic.topic);
     }

@@ -24,6 +24,7 @@ namespace {
 
 constexpr std::uint32_t kImageQueue = 5;  // images: old ones are of no use to a live tracker
 constexpr std::uint32_t kQueue = 1000;    // other messages
+constexpr double kWarning = 60.0;         // between two of the same kind [s]
 
 /// The namespace in which the node runs without the leading slash, or its own name in the root.
 std::string sensorNamedAfter(const ros::NodeHandle& nh, const ros::NodeHandle& pnh) {
@@ -35,7 +36,7 @@ std::string sensorNamedAfter(const ros::NodeHandle& nh, const ros::NodeHandle& p
 bool isGrey(const std::string& encoding) {
   using namespace sensor_msgs::image_encodings;
   return encoding == MONO8 || encoding == MONO16 || encoding == TYPE_8UC1 || encoding == TYPE_16UC1 ||
-         encoding == TYPE_32FC1;
+         encoding == TYPE_32FC1 || encoding == TYPE_64FC1;
 }
 
 }  // namespace
@@ -70,11 +71,14 @@ void SpotDetectorNode::onCameraInfo(const sensor_msgs::CameraInfo& camera) {
   if (rays_ && isSameCalibration(camera, camera_)) return;
   rays_.reset();
   camera_ = camera;
-  if (const auto refusal = refusalOf(camera)) {
+  if (const auto refusal = refusalOf(camera, params_.rectified)) {
     refuse(refusal->kind,
            "topic " + camera_info_.getTopic() + ": " + refusal->detail + ", or set field_of_view [rad]");
   } else {
     rays_.emplace(camera, params_.rectified);
+    if (const std::string warning = rays_->warning(); !warning.empty()) {
+      ROS_WARN_STREAM_THROTTLE(kWarning, params_.sensor << ": " << warning);
+    }
   }
 }
 
@@ -92,7 +96,7 @@ void SpotDetectorNode::onImage(const sensor_msgs::Image::ConstPtr& image) {
   } else if (prepareRays(*image, frame) && toGrey(image)) {
     const auto& spots =
         detector_.detect({grey_.data(), static_cast<int>(image->width), static_cast<int>(image->height)});
-    if (detector_.isReady()) publish(spots, *image, frame);
+    if (areSeen(*image) && detector_.isReady()) publish(spots, *image, frame);
   }
   busy_ += (ros::WallTime::now() - start).toSec();
 }
@@ -136,6 +140,24 @@ bool SpotDetectorNode::toGrey(const sensor_msgs::Image::ConstPtr& image) {
   }
 }
 
+/// Whether an image has good pixels; says how many are bad.
+bool SpotDetectorNode::areSeen(const sensor_msgs::Image& image) {
+  bad_pixels_ = static_cast<std::uint64_t>(detector_.badPixels());
+  if (bad_pixels_ == 0) return true;
+  const std::uint64_t pixels = std::uint64_t{image.width} * image.height;
+  if (bad_pixels_ == pixels) {
+    refuse("no good pixel", "topic " + images_.getTopic() + ": all " + std::to_string(pixels) +
+                                " pixels of the image are NaN or infinite: what does its driver publish?");
+    return false;
+  }
+  ++masked_image_count_;
+  ROS_WARN_STREAM_THROTTLE(kWarning, params_.sensor << ": " << bad_pixels_ << " of " << pixels
+                                                    << " pixels of " << images_.getTopic()
+                                                    << " are NaN or infinite: they are masked, no target is "
+                                                       "seen where they are");
+  return true;
+}
+
 void SpotDetectorNode::publish(const std::vector<core::Spot>& spots, const sensor_msgs::Image& image,
                                const std::string& frame) {
   core::Scan scan;
@@ -147,8 +169,8 @@ void SpotDetectorNode::publish(const std::vector<core::Spot>& spots, const senso
   for (const core::Spot& spot : spots) {
     const auto optical = rays_->sightingAt(spot.pixel, spot.covariance);
     if (!optical) {
-      refuse("no ray", "the camera's distortion model brings no ray to pixel (" +
-                           std::to_string(spot.pixel.x()) + ", " + std::to_string(spot.pixel.y()) + ")");
+      refuse("no ray",
+             rays_->whyNoRay(spot.pixel).value_or("the spot's covariance is not positive definite"));
       continue;
     }
     core::Sighting seen = core::rotate(*optical, core::R_boresight_optical());
@@ -175,11 +197,19 @@ void SpotDetectorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
   const auto fresh = static_cast<double>(image_count_ - image_count_before_);
   image_count_before_ = image_count_;
   status.summary(DiagnosticStatus::OK, "looking");
+  if (bad_pixels_ > 0) {
+    status.summary(DiagnosticStatus::OK, "looking; " + std::to_string(bad_pixels_) + " bad pixels masked");
+  }
   if (image_count_ == 0) status.summary(DiagnosticStatus::WARN, "no image yet on " + images_.getTopic());
   status.addf("image rate [Hz]", "%.1f", elapsed > 0.0 ? fresh / elapsed : 0.0);
   status.addf("time an image [ms]", "%.2f", fresh > 0.0 ? 1e3 * busy_ / fresh : 0.0);
   status.add("images", image_count_);
   status.add("sightings", sighting_count_);
+  status.add("bad pixels of the newest image, masked", bad_pixels_);
+  status.add("images with bad pixels", masked_image_count_);
+  if (rays_ && rays_->shareWithoutRay() > 0.0) {
+    status.addf("pixels without a ray [%]", "%.2f", 100.0 * rays_->shareWithoutRay());
+  }
   busy_ = 0.0;
   refusals_.diagnose(status);
 }

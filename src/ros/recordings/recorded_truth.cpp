@@ -11,6 +11,7 @@
 #include <sightline/TrackArray.h>
 
 #include "sightline/core/evaluation/truth.h"
+#include "sightline/core/model/angle_range.h"
 #include "sightline/core/model/sphere.h"
 #include "sightline/report/csv_table.h"
 #include "sightline/ros/messages/conversions.h"
@@ -65,7 +66,7 @@ class TargetNumbers {
 
 double angle(const report::CsvTable& table, std::size_t row, const std::string& column, double limit) {
   const double value = table.number(row, column, "rad");
-  if (std::abs(value) <= limit) return value;
+  if (std::abs(value) <= limit + core::kAngleRounding) return std::clamp(value, -limit, limit);
   throw table.error(row, column + ": expected radians, at most " + std::to_string(limit) + " in size, got " +
                              table.text(row, column) + " (degrees?)");
 }

@@ -96,5 +96,33 @@ TEST(Sighting, RealSigmasFromTenMicroradianToTwentyDegreesAreAccepted) {
   EXPECT_FALSE(rejectionOf({3.1, 1.5}, Eigen::Matrix2d::Identity() * 1e-10));
 }
 
+TEST(Sighting, AnglesThatAreRoundedBeyondTheEndOfTheirRangeAreTaken) {
+  const Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity() * 1e-6;
+  for (const double elevation : {double(float(kPi / 2.0)), 1.570796327, -1.5708, kPi / 2.0}) {
+    EXPECT_FALSE(rejectionOf({0.4, elevation}, covariance)) << *rejectionOf({0.4, elevation}, covariance);
+    const Sighting sighting = sightingOf({0.4, elevation}, covariance);
+    EXPECT_NEAR(angleBetween(sighting.direction, {0.0, 0.0, elevation}), 0.0, 1e-9) << "the pole";
+    EXPECT_FALSE(rejectionOf(anglesOf(sighting.direction), anglesCovariance(sighting)));
+  }
+  for (const double azimuth : {double(float(2.0 * kPi)), 6.2832, -6.283185308}) {
+    EXPECT_FALSE(rejectionOf({azimuth, 0.1}, covariance));
+    EXPECT_LT(angleBetween(sightingOf({azimuth, 0.1}, covariance).direction, directionOf({0.0, 0.1})), 2e-5);
+  }
+  EXPECT_TRUE(rejectionOf({6.3, 0.0}, covariance));
+  EXPECT_TRUE(rejectionOf({0.0, 1.58}, covariance));
+}
+
+// An azimuth at the zenith says nothing of where across it the target is; its elevation does, to its sigma.
+TEST(Sighting, AtThePoleAnAzimuthsArcIsHeldOffZeroByTheElevationsSigmaAndIsNeverLonger) {
+  const auto sigmas = [](double sigma_azimuth, double sigma_elevation) {
+    const Eigen::Vector2d variances(sigma_azimuth * sigma_azimuth, sigma_elevation * sigma_elevation);
+    const Sighting sighting = sightingOf({0.0, kPi / 2.0}, variances.asDiagonal());
+    return Eigen::Vector2d(std::sqrt(sighting.covariance(0, 0)), std::sqrt(sighting.covariance(1, 1)));
+  };
+  EXPECT_NEAR(sigmas(1e-3, 2e-3).x(), 2e-3, 1e-12) << "along the elevation";
+  EXPECT_NEAR(sigmas(1e-3, 2e-3).y(), 1e-3 * 2e-3, 1e-12) << "across";
+  EXPECT_NEAR(sigmas(1e6, 2e-3).y(), 2e-3, 1e-12) << "an azimuth of which nothing is known";
+}
+
 }  // namespace
 }  // namespace sightline::core

@@ -5,14 +5,10 @@
 
 #include <Eigen/Core>
 
-namespace sightline::core {
+#include "sightline/core/imaging/grey_image.h"
+#include "sightline/core/imaging/pixel_mask.h"
 
-/// A grey image: row by row, without gaps. The brightness has any unit and scale.
-struct GreyImage {
-  const float* pixels = nullptr;
-  int width = 0;   ///< [px]
-  int height = 0;  ///< [px]
-};
+namespace sightline::core {
 
 struct SpotDetectorParams {
   /// What is taken for the background of a pixel: its neighbourhood alone, or also its own past. `temporal`
@@ -49,11 +45,15 @@ struct Spot {
 /// Bertin and Arnouts 1996) with its covariance (Huber 1967), (S-90).
 class SpotDetector {
  public:
-  explicit SpotDetector(const SpotDetectorParams& params) : params_(params) {}
+  explicit SpotDetector(const SpotDetectorParams& params)
+      : params_(params), mask_(params.guard, params.neighbourhood) {}
 
   /// The spots of the next frame, strongest first; valid until the next call. An image of another size than
-  /// the last one starts anew. No allocation once the size is known, but for the list of spots.
+  /// the last one starts anew. Bad pixels (NaN, infinite) are left out, and the rest is seen as without them,
+  /// (S-95). No allocation once the size is known, but for the list of spots.
   const std::vector<Spot>& detect(const GreyImage& image);
+
+  int badPixels() const { return mask_.count(); }  ///< of the last frame
 
   /// Whether the background is known; before, no spots are found.
   bool isReady() const;
@@ -91,6 +91,7 @@ class SpotDetector {
   int at(int u, int v) const { return v * width_ + u; }
 
   SpotDetectorParams params_;
+  PixelMask mask_;
   int width_ = 0, height_ = 0;
   int frames_ = 0;                // from which the background was learned
   const float* image_ = nullptr;  // during `detect`

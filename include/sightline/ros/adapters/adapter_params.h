@@ -23,10 +23,10 @@ struct Quantity {
 
 /// Which fields make a sighting.
 struct FieldMap {
-  enum class Form { angles, point, pixel };
+  enum class Form { angles, point, pixel, corners };
 
   Form form = Form::point;
-  std::vector<Quantity> axes;  ///< (azimuth, elevation), (x, y, z) or (u, v)
+  std::vector<Quantity> axes;  ///< (azimuth, elevation), (x, y, z), (u, v) or (xmin, xmax, ymin, ymax)
   std::string snr;             ///< field; empty = there is none
   bool snr_in_db = false;      ///< 20 log10 of the amplitude ratio, not the ratio itself
   std::string each;    ///< path of the array with an element for each sighting; empty = the message is one
@@ -68,6 +68,9 @@ struct AdapterTopic {
   double detection_probability = std::numeric_limits<double>::quiet_NaN();
   double clutter_density = std::numeric_limits<double>::quiet_NaN();
   int max_sightings = 1000;  ///< a message with more is refused, >= 1
+
+  /// A vector (0, 0, 0), or a box of four zeros, is an unused slot: nothing is there. Else it is refused.
+  bool zero_is_nothing = false;
 
   FieldMap fields;                         ///< of clouds and messages read by field paths
   sightline::core::LaserSpotParams laser;  ///< of laser scans

@@ -28,14 +28,17 @@ class Reading {
   /// `topic` must outlive the reading.
   Reading(const AdapterTopic& topic, const std_msgs::Header& header) : header(header), topic_(topic) {}
 
-  /// A direction of any length, known to the configured sigma.
+  /// A direction of any length, known to the configured sigma. Where the topic says so, here and below a
+  /// vector (0, 0, 0) is an unused slot, in which nothing is.
   void addDirection(const Eigen::Vector3d& direction, double snr = kNotKnown);
 
-  /// The direction of a point [m] with its covariance [m^2], if the message has one.
+  /// The direction of a point [m] with its covariance [m^2], if the message has one. An axis of which it says
+  /// nothing has the configured sigma at the point's distance.
   void addPoint(const Eigen::Vector3d& point, const std::optional<Eigen::Matrix3d>& covariance,
                 double snr = kNotKnown);
 
-  /// (azimuth, elevation) [rad] with their covariance [rad^2], if the message has one.
+  /// (azimuth, elevation) [rad] with their covariance [rad^2], if the message has one. An axis of which it
+  /// says nothing has the configured sigma.
   void addAngles(const Eigen::Vector2d& angles, const std::optional<Eigen::Matrix2d>& covariance,
                  double snr = kNotKnown);
 
@@ -43,6 +46,14 @@ class Reading {
   /// CameraInfo has not come.
   void addPixel(const Eigen::Vector2d& pixel, const std::optional<Eigen::Matrix2d>& covariance,
                 const PixelRays* rays, double snr = kNotKnown);
+
+  /// The middle of a box of an image, from the centres of its first and last pixels [px].
+  void addBox(const Eigen::Vector2d& first, const Eigen::Vector2d& last, const PixelRays* rays,
+              double snr = kNotKnown);
+
+  /// The configured sigma, which is one of arcs, as that of (azimuth, elevation) at an elevation [rad];
+  /// nullopt when there is none.
+  std::optional<Eigen::Vector2d> sigmaOfAngles(double elevation) const;
 
   /// Something in the message that cannot be used.
   void refuse(const std::string& kind, const std::string& detail);
@@ -54,13 +65,21 @@ class Reading {
   std::vector<sightline::core::Refusal> refusals;
   std::size_t unknown_covariances = 0;  ///< in whose place the configured sigma was used
   std::string first_unknown;            ///< the first of those, as text
+  std::size_t unused_slots = 0;         ///< vectors (0, 0, 0) and such, in which nothing is
 
  private:
   void add(std::optional<sightline::core::Sighting> sighting, double snr);
   bool mayUseSigma(const std::optional<Eigen::Vector2d>& sigma, const std::string& covariance_text);
+  std::optional<sightline::core::Sighting> sightingWithSigma(const Eigen::Vector3d& direction) const;
+  Eigen::Matrix3d withSigmaOnAxes(const Eigen::Matrix3d& covariance, const Eigen::Array3i& axes,
+                                  double range) const;
 
   const AdapterTopic& topic_;
 };
+
+/// Whether a stated variance or sigma is one of the numbers that drivers write for "not known": a power of
+/// ten from 1e5, or one less than it (99999, 999999, 1e6, 1e9), or above 1e30. In the unit of its field.
+bool standsForUnknown(double stated);
 
 /// What goes out for a message.
 struct AdaptedScan {

@@ -26,7 +26,8 @@ struct Bytes {
 /// Where fields lie in the serialized messages of one type, from the definition text that comes with every
 /// connection. So fields can be read of a message type that this program was not built with.
 ///
-/// A field path has names with dots and indices, for instance `targets[2].pose.position.x`.
+/// A field path has names with dots (or slashes) and indices, for instance `targets[2].pose.position.x` or
+/// `targets.2.pose.position.x`; a slash before the first name is ignored.
 class MessageLayout {
  public:
   /// `type`: package/Name. `definition`: the full text, with those of the nested types. Throws FieldError.
@@ -43,6 +44,10 @@ class MessageLayout {
 
   /// Whether the message type has the field, without a message at hand; indices are not looked at.
   bool has(const std::string& path) const;
+
+  /// Whether this message holds it, too: every index is that of an element. Throws FieldError when the
+  /// message ends too early.
+  bool exists(const Bytes& message, const Place& from, const std::string& path) const;
 
   /// The field below `from`. Throws FieldError: no such field, an index beyond the end, a message that ends
   /// too early.
@@ -63,6 +68,8 @@ class MessageLayout {
     std::optional<std::size_t> fixed_size;  // of an array; nullopt = its length comes first
   };
 
+  std::optional<Place> findIn(const Bytes& message, const Place& from, const std::string& path,
+                              std::string* complaint) const;
   void parse(const std::string& type, const std::string& definition);
   const std::vector<Field>& fieldsOf(const std::string& type) const;
   std::string resolved(const std::string& type, const std::string& inside) const;

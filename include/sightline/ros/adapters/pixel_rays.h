@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -8,19 +7,17 @@
 
 #include <sensor_msgs/CameraInfo.h>
 
+#include "sightline/core/imaging/lens.h"
 #include "sightline/core/model/refusal.h"
 #include "sightline/core/model/sighting.h"
-
-namespace image_geometry {
-class PinholeCameraModel;
-}
 
 namespace sightline_ros {
 
 /// What is wrong with a camera's calibration for turning pixels into directions, with the remedy; nullopt
-/// when nothing is. Refused: K = 0 (not calibrated), a focal length or an image size that makes no sense, a
-/// distortion model that image_geometry does not know.
-std::optional<sightline::core::Refusal> refusalOf(const sensor_msgs::CameraInfo& camera);
+/// when nothing is. Of a raw image K, D and R are needed, of a rectified one P alone (or K, where P is left
+/// out). Refused: what is not calibrated, a focal length or an image size that makes no sense, a distortion
+/// model that is not known here or has a wrong number of coefficients, an R that is no rotation.
+std::optional<sightline::core::Refusal> refusalOf(const sensor_msgs::CameraInfo& camera, bool rectified);
 
 /// Whether two CameraInfos say the same but for their stamps.
 bool isSameCalibration(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b);
@@ -29,6 +26,7 @@ bool isSameCalibration(const sensor_msgs::CameraInfo& a, const sensor_msgs::Came
 sensor_msgs::CameraInfo pinholeCamera(unsigned width, unsigned height, const Eigen::Vector2d& field_of_view);
 
 /// Directions of a camera's pixels. A pixel's centre has whole coordinates: (0, 0) is that of the first one.
+/// Of a binned image, too: the centre of its first pixel lies between those of the pixels that it joins.
 class PixelRays {
  public:
   /// `rectified`: pixels are of the rectified image (image_rect), not of the raw one. Throws
@@ -36,11 +34,20 @@ class PixelRays {
   PixelRays(const sensor_msgs::CameraInfo& camera, bool rectified);
 
   /// Sighting in the optical frame (x right, y down, z forward; as everywhere in ROS it is taken for that of
-  /// the rectified image, which matters for a stereo pair only) at a pixel with its covariance [px^2],
-  /// carried over by the Jacobian of projection and distortion. nullopt when the covariance is not positive
-  /// definite, or when no ray falls on this pixel (far outside of where the distortion model holds).
+  /// the rectified image: the ray of a raw pixel is turned by R) at a pixel with its covariance [px^2],
+  /// carried over by the Jacobian of the lens. nullopt when the covariance is not positive definite, or when
+  /// no ray falls on this pixel.
   std::optional<sightline::core::Sighting> sightingAt(const Eigen::Vector2d& pixel,
                                                       const Eigen::Matrix2d& covariance) const;
+
+  /// Why no ray falls on a pixel, with the remedy; nullopt when one does.
+  std::optional<std::string> whyNoRay(const Eigen::Vector2d& pixel) const;
+
+  /// Share of the image's pixels on which no ray falls, from a grid of some thousand; 0 when all have one.
+  double shareWithoutRay() const { return share_without_ray_; }
+
+  /// What is to be said of a camera of whose image a part has no rays; empty when all of it has.
+  std::string warning() const;
 
   /// Whether a pixel lies on the image (its edge pixels' outer borders included).
   bool isOnImage(const Eigen::Vector2d& pixel) const;
@@ -55,20 +62,16 @@ class PixelRays {
   void setStamp(const ros::Time& stamp) { camera_.header.stamp = stamp; }
 
  private:
-  /// The rectified pixel that the distortion brings to a raw one, and d raw / d rectified.
-  struct Rectified {
-    Eigen::Vector2d pixel;
-    Eigen::Matrix2d raw_by_rectified;
-  };
-
-  std::optional<Rectified> rectify(const Eigen::Vector2d& raw) const;
-  Eigen::Vector2d distort(const Eigen::Vector2d& rectified) const;
-  Eigen::Matrix2d distortionJacobian(const Eigen::Vector2d& rectified) const;
+  Eigen::Vector2d imageOf(const Eigen::Vector2d& pixel) const;
+  double countWithoutRay() const;
 
   sensor_msgs::CameraInfo camera_;
-  std::shared_ptr<const image_geometry::PinholeCameraModel> model_;
-  bool rectified_;
   unsigned width_, height_;
+  sightline::core::Lens lens_;
+  Eigen::Matrix2d image_by_pixel_;    // d (image at focal length 1) / d pixel
+  Eigen::Vector2d principal_point_;   // [px] of the image as it is published
+  Eigen::Matrix3d R_optical_camera_;  // from the lens's frame to the one of the rectified image
+  double share_without_ray_ = 0.0;
 };
 
 }  // namespace sightline_ros

@@ -39,7 +39,8 @@ class SightingAdapterNode {
     sensor_msgs::CameraInfo camera;       // that `rays` was made of
     std::optional<MessageLayout> layout;  // of messages read by field paths
     std::string layout_md5;
-    std::uint64_t message_count = 0, message_count_before = 0, sighting_count = 0, sigma_count = 0;
+    std::uint64_t message_count = 0, message_count_before = 0, sighting_count = 0, sigma_count = 0,
+                  unused_count = 0;
   };
 
   SightingAdapterNode(ros::NodeHandle nh, const ros::NodeHandle& pnh, const ParamReader& reader);

@@ -35,6 +35,7 @@ class SpotDetectorNode {
   void onImage(const sensor_msgs::Image::ConstPtr& image);
   bool prepareRays(const sensor_msgs::Image& image, const std::string& frame);
   bool toGrey(const sensor_msgs::Image::ConstPtr& image);
+  bool areSeen(const sensor_msgs::Image& image);
   void publish(const std::vector<sightline::core::Spot>& spots, const sensor_msgs::Image& image,
                const std::string& frame);
   void refuse(const std::string& kind, const std::string& detail);
@@ -53,6 +54,7 @@ class SpotDetectorNode {
   ros::Subscriber camera_info_;
   ros::Publisher sightings_;
   std::uint64_t image_count_ = 0, image_count_before_ = 0, sighting_count_ = 0;
+  std::uint64_t bad_pixels_ = 0, masked_image_count_ = 0;  // of the newest image; images with such pixels
   double busy_ = 0.0;  // on images, since the last diagnosis [s of the wall's clock]
   std::optional<PeriodicDiagnostics> diagnostics_;
 };
