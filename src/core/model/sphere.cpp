@@ -47,8 +47,11 @@ Eigen::Matrix<double, 3, 2> directionJacobian(const Eigen::Vector2d& angles) {  
 }
 
 Eigen::Matrix<double, 2, 3> anglesJacobian(const Eigen::Vector3d& direction) {  // (S-12)
-  const double rho = std::max(std::hypot(direction.x(), direction.y()), kPoleDistance);
-  const double ca = direction.x() / rho, sa = direction.y() / rho;
+  const double distance = std::hypot(direction.x(), direction.y());
+  const double rho = std::max(distance, kPoleDistance);
+  // At the pole itself the azimuth is that of the little that is left, and 0 where nothing is.
+  const double ca = distance > 0.0 ? direction.x() / distance : 1.0;
+  const double sa = distance > 0.0 ? direction.y() / distance : 0.0;
   Eigen::Matrix<double, 2, 3> jacobian;
   jacobian << -sa / rho, ca / rho, 0.0,  //
       -direction.z() * ca, -direction.z() * sa, rho;

@@ -201,7 +201,7 @@ void Reading::addBox(const Eigen::Vector2d& first, const Eigen::Vector2d& last, 
                      double snr) {
   if (topic_.zero_is_nothing && first.isZero(0.0) && last.isZero(0.0)) {
     ++unused_slots;
-  } else if (!((last - first).minCoeff() >= 0.0)) {
+  } else if (!(last.x() >= first.x() && last.y() >= first.y())) {
     refuse("malformed", "a box from " + textOf(first) + " to " + textOf(last) +
                             " px: its last corner is before its first one; are the fields of xmin, xmax, "
                             "ymin and ymax the right ones?");

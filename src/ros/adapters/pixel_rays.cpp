@@ -56,7 +56,8 @@ struct Intrinsics {
 };
 
 Intrinsics intrinsicsOf(const sensor_msgs::CameraInfo& camera, bool rectified) {
-  const auto &K = camera.K, &P = camera.P;
+  const auto& K = camera.K;
+  const auto& P = camera.P;
   if (rectified && hasProjection(camera)) return {P[0], P[1], P[2], P[5], P[6]};
   return {K[0], K[1], K[2], K[4], K[5]};
 }
@@ -219,20 +220,21 @@ std::string PixelRays::warning() const {
 }
 
 double PixelRays::countWithoutRay() const {
-  const auto has_ray = [this](int i, int j) {
-    const Eigen::Vector2d pixel(i * (width_ - 1.0) / kGrid, j * (height_ - 1.0) / kGrid);
+  const auto has_ray = [this](double across, double down) {  // as shares of the image
+    const Eigen::Vector2d pixel(across * (width_ - 1.0), down * (height_ - 1.0));
     return lens_.rayAt(imageOf(pixel)).has_value();
   };
   // The lens ends round its centre: where all of the border has rays, all of the image has.
   bool all_of_border = true;
   for (int i = 0; i <= kGrid && all_of_border; ++i) {
-    all_of_border = has_ray(i, 0) && has_ray(i, kGrid) && has_ray(0, i) && has_ray(kGrid, i);
+    const double share = static_cast<double>(i) / kGrid;
+    all_of_border = has_ray(share, 0.0) && has_ray(share, 1.0) && has_ray(0.0, share) && has_ray(1.0, share);
   }
   if (all_of_border) return 0.0;
   int without = 0;
-  for (int i = 0; i <= kGrid; ++i)
-    for (int j = 0; j <= kGrid; ++j) without += has_ray(i, j) ? 0 : 1;
-  return without / ((kGrid + 1.0) * (kGrid + 1.0));
+  for (int i = 0; i < kGrid; ++i)
+    for (int j = 0; j < kGrid; ++j) without += has_ray((i + 0.5) / kGrid, (j + 0.5) / kGrid) ? 0 : 1;
+  return std::max(without, 1) / static_cast<double>(kGrid * kGrid);
 }
 
 bool PixelRays::isOnImage(const Eigen::Vector2d& pixel) const {

@@ -393,6 +393,315 @@ TEST(AdapterMessages, AnyMessageMayHoldPixels) {
   EXPECT_GT(scan->sightings.at(0).elevation, 0.0);
 }
 
+const std::string kCompass =
+    "azimuth: {field: az, unit: deg, offset: deg(180.0)}, elevation: {field: el, unit: deg}, sigma: [0.02, "
+    "0.05]";
+
+TEST(AdapterMessages, AnOffsetTurnsTheAzimuthRoundTheCircle) {
+  for (const auto& [field, azimuth] :
+       {std::pair{200.0F, 20.0}, {10.0F, -170.0}, {350.0F, 170.0}, {-200.0F, -20.0}, {0.0F, 180.0}}) {
+    const auto scan =
+        adapt(cloudOf({"az", "el"}, {{field, 5.0F}}), topicOf("sensor_msgs/PointCloud2", kCompass));
+    ASSERT_TRUE(scan.scan) << field;
+    EXPECT_NEAR(std::abs(sightline::core::wrapAngle(scan.scan->sightings.at(0).azimuth -
+                                                    azimuth * sightline::core::kDegree)),
+                0.0, 1e-12)
+        << field;
+  }
+  // What is no azimuth before the offset does not become one by it.
+  expectRefused(adapt(cloudOf({"az"}, {{200.0F}}),
+                      topicOf("sensor_msgs/PointCloud2",
+                              "azimuth: {field: az, offset: deg(180.0)}, sigma: [0.1, 0.1]")),
+                "angle out of range", "direction (200, 0)");
+}
+
+TEST(AdapterMessages, AnOffsetTurnsTheAzimuthOfFieldPathsToo) {
+  auto message = stamped<sightline::TrackArray>();
+  message.tracks.resize(1);
+  message.tracks[0].azimuth = 200.0;
+  const auto topic =
+      topicOf("sightline/TrackArray",
+              "each: tracks, azimuth: {field: azimuth, unit: deg, offset: deg(180.0)}, sigma: [0.1, 0.02]");
+  EXPECT_NEAR(adaptAny(message, topic).scan->sightings.at(0).azimuth, 20.0 * sightline::core::kDegree, 1e-12);
+}
+
+TEST(AdapterMessages, AnglesThatAreRoundedBeyondTheEndOfTheirRangeAreTaken) {
+  const auto topic =
+      topicOf("sensor_msgs/PointCloud2", "azimuth: {field: az}, elevation: {field: el}, sigma: [0.01, 0.01]");
+  const auto kPi = sightline::core::kPi;
+  const auto cloud = cloudOf({"az", "el"}, {{static_cast<float>(2.0 * kPi), 0.5F},
+                                            {0.5F, static_cast<float>(0.5 * kPi)},
+                                            {0.5F, static_cast<float>(-0.5 * kPi)}});
+  const auto adapted = adapt(cloud, topic);
+  EXPECT_TRUE(adapted.refusals.empty()) << adapted.refusals.front().detail;
+  ASSERT_EQ(adapted.scan->sightings.size(), 3u);
+  EXPECT_NEAR(sightline::core::wrapAngle(adapted.scan->sightings[0].azimuth), 0.0, 1e-6);
+  EXPECT_NEAR(adapted.scan->sightings[1].elevation, 0.5 * kPi, 1e-12);
+  EXPECT_NEAR(adapted.scan->sightings[2].elevation, -0.5 * kPi, 1e-12);
+
+  auto message = stamped<sightline::TrackArray>();
+  message.tracks.resize(1);
+  message.tracks[0].elevation = 1.570796327;
+  const auto any = topicOf("sightline/TrackArray",
+                           "each: tracks, azimuth: {field: azimuth}, elevation: {field: elevation}, sigma: "
+                           "[0.01, 0.01]");
+  EXPECT_NEAR(adaptAny(message, any).scan->sightings.at(0).elevation, 0.5 * kPi, 1e-12);
+}
+
+/// Standard deviations of azimuth and elevation [deg].
+Eigen::Vector2d sigmasOf(const sightline::Sighting& sighting) {
+  return Eigen::Vector2d(std::sqrt(sighting.covariance[0]), std::sqrt(sighting.covariance[3])) /
+         sightline::core::kDegree;
+}
+
+TEST(AdapterMessages, TheConfiguredSigmaIsAnArcAlsoWhereTheOtherAxisStatesItsOwn) {
+  const auto topic =
+      topicOf("sensor_msgs/PointCloud2",
+              "azimuth: {field: az, unit: deg}, elevation: {field: el, unit: deg, sigma: el_s}, "
+              "sigma: [0.02, 0.05]");
+  const auto scan =
+      adapt(cloudOf({"az", "el", "el_s"}, {{10.0F, 80.0F, 1.0F}, {10.0F, 0.0F, 1.0F}}), topic).scan;
+  ASSERT_EQ(scan->sightings.size(), 2u);
+  EXPECT_NEAR(sigmasOf(scan->sightings[0]).x(), 6.599, 5e-4) << "0.02 rad / cos(80 deg)";
+  EXPECT_NEAR(sigmasOf(scan->sightings[0]).y(), 1.0, 1e-6);
+  EXPECT_NEAR(sigmasOf(scan->sightings[1]).x(), 1.146, 5e-4);
+
+  auto message = stamped<sightline::TrackArray>();
+  message.tracks.resize(1);
+  message.tracks[0].elevation = 80.0;
+  message.tracks[0].existence = 1.0;
+  const auto any =
+      topicOf("sightline/TrackArray",
+              "each: tracks, azimuth: {field: azimuth, unit: deg}, elevation: {field: elevation, "
+              "unit: deg, sigma: existence}, sigma: [0.02, 0.05]");
+  EXPECT_NEAR(sigmasOf(adaptAny(message, any).scan->sightings.at(0)).x(), 6.599, 5e-4);
+}
+
+TEST(AdapterMessages, AVarianceThatStandsForUnknownHasTheConfiguredSigmaOfItsAxis) {
+  for (const std::string unit : {"deg", "rad", "mrad"}) {
+    const auto topic =
+        topicOf("sensor_msgs/PointCloud2", "azimuth: {field: az, unit: " + unit +
+                                               ", variance: az_v}, elevation: {field: el, unit: " + unit +
+                                               ", variance: el_v}, sigma: [0.02, 0.05]");
+    const double one = unit == "deg" ? sightline::core::kDegree : unit == "rad" ? 1.0 : 1e-3;
+    for (const float unknown :
+         {1e6F, 999999.0F, 99999.0F, 1e9F, 0.0F, -1.0F, std::numeric_limits<float>::infinity()}) {
+      const auto cloud =
+          cloudOf({"az", "el", "az_v", "el_v"}, {{0.5F, 0.0F, unknown, 0.25F}, {0.5F, 0.0F, 0.25F, unknown}});
+      const Reading reading = read(cloud, topic, nullptr);
+      EXPECT_EQ(reading.unknown_covariances, 2u);
+      const auto scan = adapt(reading, topic, kArrival).scan;
+      ASSERT_TRUE(scan) << unit << ", " << unknown;
+      ASSERT_EQ(scan->sightings.size(), 2u);
+      EXPECT_NEAR(std::sqrt(scan->sightings[0].covariance[0]), 0.02, 1e-6) << unit << ", " << unknown;
+      EXPECT_NEAR(std::sqrt(scan->sightings[0].covariance[3]), 0.5 * one, 1e-6);
+      EXPECT_NEAR(std::sqrt(scan->sightings[1].covariance[0]), 0.5 * one, 1e-6);
+      EXPECT_NEAR(std::sqrt(scan->sightings[1].covariance[3]), 0.05, 1e-6);
+    }
+  }
+}
+
+TEST(AdapterMessages, OfAPositionAnUnknownAxisHasTheConfiguredSigmaAtItsDistance) {
+  auto message = stamped<nav_msgs::Odometry>();
+  message.pose.pose.position.x = 100.0;
+  const auto topic = topicOf("nav_msgs/Odometry", "sigma: [0.02, 0.05]");
+  for (const double unknown : {1e6, 999999.0, 1e9, kNaN}) {
+    message.pose.covariance[0] = 900.0;
+    message.pose.covariance[7] = 4.0;
+    message.pose.covariance[14] = unknown;  // upright
+    const Reading reading = read(message, topic, nullptr);
+    EXPECT_EQ(reading.unknown_covariances, 1u) << unknown;
+    const auto scan = adapt(reading, topic, kArrival).scan;
+    ASSERT_TRUE(scan) << unknown;
+    EXPECT_NEAR(std::sqrt(scan->sightings.at(0).covariance[0]), 2.0 / 100.0, 1e-9) << unknown;
+    EXPECT_NEAR(std::sqrt(scan->sightings.at(0).covariance[3]), 0.05, 1e-9) << unknown;
+  }
+  // A position that is known badly, and says so by a number of its own, is not better known than that.
+  message.pose.covariance[14] = 5e5;
+  EXPECT_FALSE(adapt(message, topic).scan);
+  // Without a sigma the axis stays unknown, which is refused.
+  message.pose.covariance[14] = 1e6;
+  expectRefused(adapt(message, topicOf("nav_msgs/Odometry", "stamp: header")), "covariance not known",
+                "set sigma [rad]");
+}
+
+TEST(AdapterMessages, OfAPixelAnUnknownAxisHasTheConfiguredSigma) {
+  const PixelRays rays = camera();
+  const auto topic = topicOf("sensor_msgs/PointCloud2",
+                             "u: {field: u, variance: u_v}, v: {field: v, variance: v_v}, camera_info: /c, "
+                             "sigma_px: [3.0, 2.0]");
+  const double focal_length = 320.0 / std::tan(12.0 * sightline::core::kDegree);
+  const double focal_length_v = 256.0 / std::tan(9.5 * sightline::core::kDegree);
+  const auto scan = adapt(cloudOf({"u", "v", "u_v", "v_v"},
+                                  {{319.5F, 255.5F, 1e6F, 1.0F}, {319.5F, 255.5F, 1.0F, 999999.0F}}),
+                          topic, &rays)
+                        .scan;
+  ASSERT_TRUE(scan);
+  ASSERT_EQ(scan->sightings.size(), 2u);
+  EXPECT_NEAR(std::sqrt(scan->sightings[0].covariance[0]), 3.0 / focal_length, 1e-9);
+  EXPECT_NEAR(std::sqrt(scan->sightings[0].covariance[3]), 1.0 / focal_length_v, 1e-9);
+  EXPECT_NEAR(std::sqrt(scan->sightings[1].covariance[3]), 2.0 / focal_length_v, 1e-9);
+}
+
+TEST(AdapterMessages, TheConfiguredSigmaOfAnOpticalFrameIsAlongTheBoresightsAzimuthAndElevation) {
+  auto message = stamped<geometry_msgs::PointStamped>("stereo_optical");
+  message.point.z = 10.0;
+  const auto scan =
+      adapt(message, topicOf("geometry_msgs/PointStamped", "sigma: [0.002, 0.005], optical: true")).scan;
+  EXPECT_NEAR(std::sqrt(scan->sightings.at(0).covariance[0]), 0.002, 1e-9);
+  EXPECT_NEAR(std::sqrt(scan->sightings.at(0).covariance[3]), 0.005, 1e-9);
+}
+
+TEST(AdapterMessages, AHeaderMayBeThatOfAnElementAndPathsMayHaveSlashes) {
+  const auto with = [](const std::string& header) {
+    return topicOf("sightline/TestList",
+                   "each: poses, x: {field: pose.position.x}, y: {field: pose.position.y}, "
+                   "z: {field: pose.position.z}, sigma: [0.1, 0.1], header: " +
+                       header);
+  };
+  // A list of messages of which each has a header of its own: that of its definition is written out here.
+  const std::string definition =
+      std::string("geometry_msgs/PoseStamped[] poses\n===\nMSG: geometry_msgs/PoseStamped\n") +
+      ros::message_traits::definition<geometry_msgs::PoseStamped>();
+  const MessageLayout layout("sightline/TestList", definition);
+  std::vector<geometry_msgs::PoseStamped> poses(2, stamped<geometry_msgs::PoseStamped>("/camera"));
+  poses[0].pose.position.y = poses[1].pose.position.x = 2.0;
+  const auto bytesOf = [](const auto& list) {
+    std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(list));
+    ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+    ros::serialization::serialize(stream, list);
+    return bytes;
+  };
+  const auto bytes = bytesOf(poses);
+  for (const std::string header :
+       {"poses.0.header", "'poses[0].header'", "/poses.0.header", "/poses/0/header", "poses.1.header"}) {
+    const AdapterTopic topic = with(header);
+    const auto adapted = adapt(read({bytes.data(), bytes.size()}, layout, topic, nullptr), topic, kArrival);
+    ASSERT_TRUE(adapted.scan) << header;
+    EXPECT_EQ(adapted.scan->header.stamp, kStamp) << header;
+    EXPECT_EQ(adapted.scan->header.frame_id, "camera") << header << ": tf2 frames have no leading slash";
+    EXPECT_EQ(adapted.scan->sightings.size(), 2u);
+  }
+  // An empty list has no header: then only the time of arrival tells when nothing was seen.
+  const auto empty = bytesOf(std::vector<geometry_msgs::PoseStamped>());
+  const AdapterTopic by_header = with("poses.0.header");
+  const auto refused =
+      adapt(read({empty.data(), empty.size()}, layout, by_header, nullptr), by_header, kArrival);
+  expectRefused(refused, "no stamp", "set stamp: arrival");
+  const AdapterTopic by_arrival = with("poses.0.header, stamp: arrival, frame: camera");
+  const auto nothing =
+      adapt(read({empty.data(), empty.size()}, layout, by_arrival, nullptr), by_arrival, kArrival);
+  ASSERT_TRUE(nothing.scan);
+  EXPECT_TRUE(nothing.scan->sightings.empty());
+}
+
+TEST(AdapterMessages, AHeaderWithALeadingSlashIsTheHeader) {
+  auto message = stamped<sightline::TrackArray>("/radar");
+  message.tracks.resize(1);
+  const auto topic = topicOf("sightline/TrackArray",
+                             "each: /tracks, header: /header, azimuth: {field: /azimuth}, sigma: [0.1, 0.1]");
+  const auto scan = adaptAny(message, topic).scan;
+  ASSERT_TRUE(scan);
+  EXPECT_EQ(scan->header.stamp, kStamp);
+  EXPECT_EQ(scan->header.frame_id, "radar");
+}
+
+TEST(AdapterMessages, FramesWithALeadingSlashAreTakenOfEveryType) {
+  auto direction = stamped<geometry_msgs::Vector3Stamped>("/mast");
+  direction.vector.x = 1.0;
+  EXPECT_EQ(
+      adapt(direction, topicOf("geometry_msgs/Vector3Stamped", "sigma: [0.1, 0.1]")).scan->header.frame_id,
+      "mast");
+  const auto set = topicOf("geometry_msgs/Vector3Stamped", "sigma: [0.1, 0.1], frame: /tower");
+  EXPECT_EQ(adapt(direction, set).scan->header.frame_id, "tower");
+}
+
+/// The adapter's only source of corners: the fields of a cloud, or of any message.
+TEST(AdapterMessages, ABoxOfCornersIsSeenAtItsMiddle) {
+  const PixelRays rays = camera();
+  const std::string keys =
+      "xmin: {field: xmin}, xmax: {field: xmax}, ymin: {field: ymin}, ymax: {field: ymax}, camera_info: /c, "
+      "sigma_px: [2.0, 2.0]";
+  const auto topic = topicOf("sensor_msgs/PointCloud2", keys);
+  const auto boxes = [](const std::vector<std::vector<float>>& corners) {
+    return cloudOf({"xmin", "xmax", "ymin", "ymax"}, corners);
+  };
+  const auto scan = adapt(boxes({{310.0F, 329.0F, 251.0F, 260.0F},
+                                 {319.0F, 320.0F, 255.0F, 256.0F},
+                                 {5.0F, 5.0F, 7.0F, 7.0F}}),
+                          topic, &rays)
+                        .scan;
+  ASSERT_TRUE(scan);
+  ASSERT_EQ(scan->sightings.size(), 3u);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(scan->sightings[std::size_t(i)].azimuth, 0.0, 1e-9);
+    EXPECT_NEAR(scan->sightings[std::size_t(i)].elevation, 0.0, 1e-9);
+  }
+  expectRefused(adapt(boxes({{329.0F, 310.0F, 251.0F, 260.0F}}), topic, &rays), "malformed", "xmin, xmax");
+  const auto unused = adapt(boxes({{0.0F, 0.0F, 0.0F, 0.0F}}), topic, &rays);
+  ASSERT_TRUE(unused.scan);
+  EXPECT_TRUE(unused.scan->sightings.empty());
+
+  // Corners that count pixels from their outer borders.
+  const auto shifted = topicOf("sensor_msgs/PointCloud2",
+                               "xmin: {field: xmin, offset: -0.5}, xmax: {field: xmax, offset: -0.5}, ymin: "
+                               "{field: ymin, offset: -0.5}, "
+                               "ymax: {field: ymax, offset: -0.5}, camera_info: /c, sigma_px: [2.0, 2.0]");
+  EXPECT_NEAR(adapt(boxes({{310.0F, 330.0F, 251.0F, 261.0F}}), shifted, &rays).scan->sightings.at(0).azimuth,
+              0.0, 1e-9);
+
+  // The same of a message by its definition, with whole numbers as detectors publish them.
+  const MessageLayout layout("acme/Boxes",
+                             "Header header\nBox[] bounding_boxes\n===\nMSG: acme/Box\n"
+                             "float64 probability\nint64 xmin\nint64 ymin\nint64 xmax\nint64 "
+                             "ymax\nstring Class\n===\nMSG: std_msgs/Header\nuint32 seq\ntime "
+                             "stamp\nstring frame_id\n");
+  std::vector<std::uint8_t> bytes(200);
+  ros::serialization::OStream out(bytes.data(), 200);
+  std_msgs::Header header;
+  header.stamp = kStamp;
+  ros::serialization::serialize(out, header);
+  ros::serialization::serialize(out, std::uint32_t{1});
+  ros::serialization::serialize(out, 0.9);
+  for (const std::int64_t corner : {310, 251, 329, 260}) ros::serialization::serialize(out, corner);
+  ros::serialization::serialize(out, std::string("drone"));
+  const auto any = topicOf("acme/Boxes", "each: bounding_boxes, " + keys);
+  const auto read_by_path =
+      adapt(read({bytes.data(), bytes.size() - out.getLength()}, layout, any, &rays), any, kArrival);
+  ASSERT_TRUE(read_by_path.scan);
+  EXPECT_EQ(read_by_path.scan->header.frame_id, "camera_optical_boresight");
+  EXPECT_NEAR(read_by_path.scan->sightings.at(0).azimuth, 0.0, 1e-9);
+}
+
+TEST(AdapterMessages, UnusedSlotsOfAListMeanThatNothingIsThere) {
+  auto message = stamped<geometry_msgs::PoseArray>();
+  message.poses.resize(4);
+  const std::string keys =
+      "each: poses, x: {field: position.x}, y: {field: position.y}, z: {field: position.z}, sigma: [0.1, "
+      "0.1]";
+  const auto topic = topicOf("acme/Sources", keys);
+  const auto known = topicOf("geometry_msgs/PoseArray", "sigma: [0.1, 0.1], zeros: nothing");
+  EXPECT_EQ(read(message, known, nullptr).unused_slots, 4u)
+      << "of types that are known, too, where it is said";
+  const auto empty = adaptAny(message, topic);
+  ASSERT_TRUE(empty.scan) << "all slots unused: looked, and saw nothing";
+  EXPECT_TRUE(empty.scan->sightings.empty());
+  EXPECT_TRUE(empty.refusals.empty());
+  message.poses[2].position.y = 1.0;
+  const auto one = adaptAny(message, topic);
+  ASSERT_EQ(one.scan->sightings.size(), 1u);
+  EXPECT_NEAR(one.scan->sightings[0].azimuth, 90.0 * sightline::core::kDegree, 1e-12);
+  EXPECT_TRUE(one.refusals.empty());
+  message.poses[2].position.y = 0.0;
+  expectRefused(adaptAny(message, topicOf("acme/Sources", keys + ", zeros: refused")), "no direction",
+                "points nowhere");
+
+  const auto cloud = topicOf("sensor_msgs/PointCloud2", "sigma: [0.01, 0.01]");
+  const auto points = adapt(cloudOf({"x", "y", "z"}, {{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}}), cloud);
+  ASSERT_TRUE(points.scan);
+  EXPECT_TRUE(points.scan->sightings.empty());
+}
+
 TEST(AdapterMessages, AMessageWithoutHeaderNeedsFrameAndTimeOfArrival) {
   geometry_msgs::Point message;
   message.y = 2.0;

@@ -98,6 +98,35 @@ TEST_F(AdapterParams, AnUnknownTypeNeedsExactlyOneFormOfFields) {
                           "azimuth: {field: a, sign: 0}}]"));
 }
 
+TEST_F(AdapterParams, ZerosAreUnusedSlotsOfListsAndElseAMistake) {
+  const auto zerosOf = [this](const std::string& entry) {
+    return load("topics: [{topic: /a, sensor: a, sigma: [0.1, 0.1], " + entry + "}]").at(0).zero_is_nothing;
+  };
+  const std::string xyz = "x: {field: x}, y: {field: y}, z: {field: z}";
+  EXPECT_TRUE(zerosOf("type: acme/Sources, each: sources, " + xyz));
+  EXPECT_FALSE(zerosOf("type: acme/Source, " + xyz));
+  EXPECT_TRUE(zerosOf("type: acme/Source, zeros: nothing, " + xyz));
+  EXPECT_FALSE(zerosOf("type: acme/Sources, each: sources, zeros: refused, " + xyz));
+  EXPECT_TRUE(zerosOf("type: sensor_msgs/PointCloud2"));
+  EXPECT_FALSE(zerosOf("type: geometry_msgs/PoseArray"));
+  EXPECT_TRUE(zerosOf("type: geometry_msgs/PoseArray, zeros: nothing"));
+  expectIn("zeros: nobody reads this parameter",
+           complaintAbout("topics: [{topic: /a, sensor: a, sigma: [0.1, 0.1], type: sensor_msgs/LaserScan, "
+                          "zeros: nothing}]"));
+}
+
+TEST_F(AdapterParams, ABoxOfCornersNeedsAllFourAndItsCamera) {
+  const std::string entry = "topics: [{topic: /a, sensor: a, type: acme/Boxes, sigma_px: [1.0, 1.0], ";
+  expectIn("xmax/field: expected a string",
+           complaintAbout(entry + "camera_info: /c, xmin: {field: a}, ymin: {field: b}, ymax: {field: d}}]"));
+  const std::string corners = "xmin: {field: a}, xmax: {field: b}, ymin: {field: c}, ymax: {field: d}";
+  expectIn("camera_info: expected a string", complaintAbout(entry + corners + "}]"));
+  expectIn("got several", complaintAbout(entry + corners + ", u: {field: u}, camera_info: /c}]"));
+  const auto topics = load(entry + corners + ", camera_info: /c}]");
+  EXPECT_EQ(topics.at(0).fields.form, FieldMap::Form::corners);
+  EXPECT_TRUE(topics.at(0).is_optical);
+}
+
 TEST_F(AdapterParams, TwoSensorsOfOneNameAreRefused) {
   expectIn("topics[1]/sensor: \"a\" names an entry before it too",
            complaintAbout("topics: [{topic: /a, type: nav_msgs/Odometry, sensor: a}, "

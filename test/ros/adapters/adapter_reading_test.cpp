@@ -92,4 +92,42 @@ TEST(AdapterReading, TooManySightingsAreNoDetections) {
   EXPECT_EQ(adapted.refusals.at(0).kind, "too many sightings");
 }
 
+TEST(AdapterReading, NumbersThatDriversWriteForUnknownAreKnown) {
+  for (const double marker : {99999.0, 999999.0, 1e5, 1e6, 1e9, 9999999.0, 1e12, 3.4e38}) {
+    EXPECT_TRUE(sightline_ros::standsForUnknown(marker)) << marker;
+  }
+  for (const double variance : {0.0, -1.0, 1e-6, 1.0, 1000.0, 9999.0, 5e5, 123456.0, 999998.0}) {
+    EXPECT_FALSE(sightline_ros::standsForUnknown(variance)) << variance;
+  }
+}
+
+TEST(AdapterReading, NearAPoleTheConfiguredArcIsAsLongAsElsewhere) {
+  const AdapterTopic of = topic();
+  Reading reading(of, header());
+  for (const double elevation : {0.0, 1.4, 1.57, 1.570796327}) {
+    const auto sigma = reading.sigmaOfAngles(elevation);
+    ASSERT_TRUE(sigma);
+    EXPECT_NEAR(sigma->x() * std::max(std::cos(elevation), 1e-9), 2e-3, 1e-12) << elevation;
+    EXPECT_EQ(sigma->y(), 1e-3);
+    reading.addAngles({0.3, elevation}, Eigen::Matrix2d(Eigen::Vector2d(1e6, 4e-6).asDiagonal()));
+  }
+  ASSERT_EQ(reading.sightings.size(), 4u);
+  for (const auto& sighting : reading.sightings) {
+    const Eigen::Vector3d across(-std::sin(0.3), std::cos(0.3), 0.0);
+    EXPECT_NEAR(std::sqrt(across.dot(sighting.covariance * across)), 2e-3, 1e-9);
+  }
+}
+
+TEST(AdapterReading, ABoxWhoseCornersAreNotNumbersIsRefused) {
+  AdapterTopic of = topic();
+  of.sigma_px = Eigen::Vector2d(1.0, 1.0);
+  of.camera_info = "/c";
+  Reading reading(of, header());
+  reading.addBox({0.0, Reading::kNotKnown}, {2.0, 2.0}, nullptr);
+  reading.addBox({0.0, 0.0}, {2.0, 2.0}, nullptr);
+  ASSERT_EQ(reading.refusals.size(), 2u);
+  EXPECT_EQ(reading.refusals[0].kind, "malformed");
+  EXPECT_EQ(reading.refusals[1].kind, "no calibration");
+}
+
 }  // namespace

@@ -144,6 +144,24 @@ TEST(MessageLayout, TypesOfTheSamePackageNeedNoPackageName) {
   EXPECT_FALSE(layout.has("head.stamp"));
 }
 
+TEST(MessageLayout, PathsMayHaveIndicesBehindDotsAndSlashes) {
+  const auto layout = layoutOf<sightline::SightingArray>();
+  sightline::SightingArray scan;
+  scan.sightings.resize(2);
+  scan.sightings[1].covariance[3] = 4.0;
+  const auto bytes = bytesOf(scan);
+  for (const std::string path : {"sightings.1.covariance.3", "sightings[1].covariance.3",
+                                 "/sightings/1/covariance/3", "/sightings.1/covariance[3]"}) {
+    EXPECT_TRUE(layout.has(path)) << path;
+    EXPECT_TRUE(layout.exists(view(bytes), layout.whole(), path)) << path;
+    EXPECT_EQ(layout.number(view(bytes), layout.whole(), path), 4.0) << path;
+  }
+  EXPECT_FALSE(layout.exists(view(bytes), layout.whole(), "sightings.2.covariance.3")) << "there are two";
+  EXPECT_TRUE(layout.has("sightings.2.covariance.3")) << "of the type";
+  EXPECT_FALSE(layout.exists(view(bytes), layout.whole(), "sighting.0"));
+  EXPECT_TRUE(layout.has("/header"));
+}
+
 TEST(MessageLayout, WrongPathsAreRefusedWithWhatThereIs) {
   const auto layout = layoutOf<nav_msgs::Odometry>();
   const auto bytes = bytesOf(odometry());
@@ -159,6 +177,9 @@ TEST(MessageLayout, WrongPathsAreRefusedWithWhatThereIs) {
   EXPECT_NE(complaint("pose..x").find("malformed"), std::string::npos);
   EXPECT_NE(complaint("pose.covariance[1").find("malformed"), std::string::npos);
   EXPECT_NE(complaint("").find("malformed"), std::string::npos);
+  EXPECT_NE(complaint("/").find("malformed"), std::string::npos);
+  EXPECT_NE(complaint("3.x").find("does not exist"), std::string::npos);
+  EXPECT_NE(complaint("pose.covariance.36").find("covariance has 36 elements"), std::string::npos);
 }
 
 TEST(MessageLayout, TruncatedAndLyingMessagesAreRefusedAtEveryLength) {
