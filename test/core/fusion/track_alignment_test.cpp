@@ -98,6 +98,9 @@ TEST(TrackAlignment, GoodStatesAreAccepted) {
   AngularState azimuth_alone = someState();
   azimuth_alone.covariance.diagonal() += Eigen::Vector4d(0.0, 25.0, 0.0, 25.0);
   EXPECT_FALSE(rejectionOf(azimuth_alone));
+  AngularState rounded = someState();
+  rounded.mean(0) = static_cast<double>(static_cast<float>(2.0 * kPi));
+  EXPECT_FALSE(rejectionOf(rounded)) << "beyond 2 pi by rounding alone";
 }
 
 TEST(TrackAlignment, EveryBadStateIsRefusedWithItsReason) {

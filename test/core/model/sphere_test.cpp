@@ -62,6 +62,13 @@ TEST(Sphere, JacobiansAreTheDerivatives) {
 
 TEST(Sphere, AnglesJacobianAtThePoleIsHugeButFinite) {
   EXPECT_TRUE(anglesJacobian(Eigen::Vector3d::UnitZ()).allFinite());
+  for (const double azimuth : {0.0, 2.0}) {  // 6e-17 off the pole
+    const auto J = anglesJacobian(directionOf({azimuth, 0.5 * kPi}));
+    const Eigen::Vector3d across(-std::sin(azimuth), std::cos(azimuth), 0.0);
+    const Eigen::Vector3d along(std::cos(azimuth), std::sin(azimuth), 0.0);
+    EXPECT_NEAR((J * across - Eigen::Vector2d(1e9, 0.0)).norm(), 0.0, 1e-3);
+    EXPECT_NEAR((J * along - Eigen::Vector2d(0.0, -1.0)).norm(), 0.0, 1e-6);
+  }
 }
 
 TEST(Sphere, RotatedStateMovesAsTheRotatedDirectionDoes) {

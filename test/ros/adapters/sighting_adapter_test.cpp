@@ -10,6 +10,7 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/PointStamped.h>
+#include <geometry_msgs/Polygon.h>
 #include <geometry_msgs/Vector3Stamped.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -35,7 +36,9 @@ class SightingAdapter : public testing::Test {
              camera_info_.getNumSubscribers() == 1 && odometry_.getNumSubscribers() == 1 &&
              any_.getNumSubscribers() == 1 && nodelet_bearing_.getNumSubscribers() == 1 &&
              seeker_.publishers() == 2 && camera_.publishers() == 2 && wingman_.publishers() == 2 &&
-             any_sightings_.publishers() == 1;
+             any_sightings_.publishers() == 1 && sources_.getNumSubscribers() == 1 &&
+             rectified_.getNumSubscribers() == 1 && rectified_info_.getNumSubscribers() == 1 &&
+             ears_.publishers() == 1 && rectified_sightings_.publishers() == 1;
     })) << "the nodes did not come up";
   }
 
@@ -73,6 +76,11 @@ class SightingAdapter : public testing::Test {
   Received<sightline::SightingArray> camera_{nh_, "/sensors/camera/sightings"};
   Received<sightline::SightingArray> wingman_{nh_, "/sensors/wingman/sightings"};
   Received<sightline::SightingArray> any_sightings_{nh_, "/sensors/any/sightings"};
+  ros::Publisher sources_ = nh_.advertise<geometry_msgs::Polygon>("/sources", 100);
+  ros::Publisher rectified_ = nh_.advertise<geometry_msgs::PointStamped>("/rectified", 100);
+  ros::Publisher rectified_info_ = nh_.advertise<sensor_msgs::CameraInfo>("/rectified_info", 100);
+  Received<sightline::SightingArray> ears_{nh_, "/sensors/ears/sightings"};
+  Received<sightline::SightingArray> rectified_sightings_{nh_, "/sensors/rectified/sightings"};
   Received<diagnostic_msgs::DiagnosticArray> diagnostics_{nh_, "/diagnostics"};
 };
 
@@ -144,6 +152,48 @@ TEST_F(SightingAdapter, AMessageReadByFieldPathsIsReadAndOneInDegreesTooManyIsRe
   any_.publish(message);
   EXPECT_TRUE(eventually([&] { return diagnosticOf("refused, angle out of range") == "1"; }));
   EXPECT_EQ(any_sightings_.messages().size(), 1u);
+}
+
+TEST_F(SightingAdapter, UnusedSlotsOfASoundLocaliserMeanThatNothingIsThereAndAreCounted) {
+  geometry_msgs::Polygon slots;
+  slots.points.resize(4);
+  sources_.publish(slots);
+  ASSERT_TRUE(eventually([&] { return ears_.messages().size() == 1; }));
+  EXPECT_TRUE(ears_.messages()[0].sightings.empty()) << "looked, and saw nothing";
+  EXPECT_EQ(ears_.messages()[0].header.frame_id, "head");
+  slots.points[3].y = -1.0F;
+  sources_.publish(slots);
+  ASSERT_TRUE(eventually([&] { return ears_.messages().size() == 2; }));
+  ASSERT_EQ(ears_.messages()[1].sightings.size(), 1u);
+  EXPECT_NEAR(ears_.messages()[1].sightings[0].azimuth, -90.0 * sightline::core::kDegree, 1e-9);
+  EXPECT_TRUE(eventually([&] { return diagnosticOf("ears: unused slots (zeros)") == "7"; }));
+}
+
+TEST_F(SightingAdapter, ARectifiedImageNeedsNothingButPAndOfALensThatFoldsTheShareIsSaid) {
+  auto pixel = stamped<geometry_msgs::PointStamped>("");
+  pixel.point.x = 900.0;
+  pixel.point.y = 480.0;
+  sensor_msgs::CameraInfo info;
+  info.header.frame_id = "camera_optical";
+  info.width = 1280;
+  info.height = 960;
+  info.P = {600.0, 0.0, 640.0, 0.0, 0.0, 600.0, 480.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+  rectified_info_.publish(info);
+  ASSERT_TRUE(eventually([&] {
+    rectified_.publish(pixel);
+    return !rectified_sightings_.messages().empty();
+  }));
+  EXPECT_NEAR(rectified_sightings_.messages()[0].sightings.at(0).azimuth, -std::atan(260.0 / 600.0), 1e-9);
+
+  info.K = {600.0, 0.0, 640.0, 0.0, 600.0, 480.0, 0.0, 0.0, 1.0};
+  info.D = {-0.26, 0.075, 0.0, 0.0, -0.009};
+  info.distortion_model = "plumb_bob";
+  camera_info_.publish(info);
+  EXPECT_TRUE(
+      eventually([&] { return diagnosticOf("camera: pixels without a ray [%]").substr(0, 2) == "3."; }));
+  pixel.point.x = pixel.point.y = 2.0;  // in a corner beyond the fold
+  pixel_.publish(pixel);
+  EXPECT_TRUE(eventually([&] { return diagnosticOf("refused, no ray") == "1"; }));
 }
 
 TEST_F(SightingAdapter, WrongConfigurationEndsTheNodeWithOneLineAndExitCodeOne) {

@@ -1,7 +1,9 @@
 // The spot detector as node (with CameraInfo) and as nodelet (with a stated field of view and a tracker
 // behind it).
 #include <cmath>
+#include <cstring>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -37,7 +39,11 @@ class SpotDetectorNode : public testing::Test {
 
   /// A noisy sky with a spot at a pixel; without one when it is negative.
   sensor_msgs::Image imageWith(double u, double v, const std::string& encoding = "mono8") {
-    const std::size_t bytes = encoding == "mono16" ? 2 : encoding == "rgb8" ? 3 : 1;
+    const std::size_t bytes = encoding == "mono16"  ? 2
+                              : encoding == "rgb8"  ? 3
+                              : encoding == "32FC1" ? 4
+                              : encoding == "64FC1" ? 8
+                                                    : 1;
     const double scale = encoding == "mono16" ? 200.0 : 1.0;
     sensor_msgs::Image image;
     image.header.stamp = ros::Time::now();
@@ -54,6 +60,15 @@ class SpotDetectorNode : public testing::Test {
             60.0 + 2.0 * stream_.normalPair().x() + (u < 0.0 ? 0.0 : 120.0 * std::exp(-0.5 * d2));
         const auto value = static_cast<std::uint16_t>(std::lround(scale * level));
         std::uint8_t* const pixel = &image.data[y * image.step + x * bytes];
+        if (bytes == 4) {
+          const auto single = static_cast<float>(level);
+          std::memcpy(pixel, &single, bytes);
+          continue;
+        }
+        if (bytes == 8) {
+          std::memcpy(pixel, &level, bytes);
+          continue;
+        }
         for (std::size_t k = 0; k < bytes; ++k) {
           pixel[k] = static_cast<std::uint8_t>(bytes == 2 ? value >> (8 * k) : value);
         }
@@ -133,6 +148,61 @@ TEST_F(SpotDetectorNode, ASpotBecomesASightingAtItsAnglesInEveryEncoding) {
     EXPECT_GT(scan.sightings[0].snr, 10.0);
     EXPECT_GT(scan.sightings[0].covariance[0], 0.0);
   }
+}
+
+/// Replaces the pixels of a rectangle of a 32FC1 or 64FC1 image.
+template <typename Pixel>
+void spoil(sensor_msgs::Image& image, unsigned left, unsigned top, unsigned right, unsigned bottom,
+           Pixel value) {
+  for (unsigned y = top; y < bottom; ++y)
+    for (unsigned x = left; x < right; ++x)
+      std::memcpy(&image.data[y * image.step + x * sizeof(Pixel)], &value, sizeof(Pixel));
+}
+
+TEST_F(SpotDetectorNode, BadPixelsAreMaskedCountedAndSaidAndTheSpotIsAsWithoutThem) {
+  calibrate();
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const auto clean = imageWith(99.5, 80.25, "32FC1");
+  const auto spoilt = [&](unsigned left, unsigned top, unsigned right, unsigned bottom, float value) {
+    auto image = clean;
+    image.header.stamp += ros::Duration(1e-3 * (left + 1.0) + 1e-6 * (bottom + 1.0));
+    spoil(image, left, top, right, bottom, value);
+    return image;
+  };
+  const auto scanOfImage = [&](const sensor_msgs::Image& image) -> const sightline::SightingArray* {
+    images_.publish(image);
+    EXPECT_TRUE(eventually([&] { return scanOf(node_, image.header.stamp) != nullptr; }));
+    return scanOf(node_, image.header.stamp);
+  };
+  const auto* const without = scanOfImage(clean);
+  ASSERT_TRUE(without);
+  ASSERT_EQ(without->sightings.size(), 1u);
+  const double azimuth = without->sightings[0].azimuth, elevation = without->sightings[0].elevation;
+  for (const auto& image : {spoilt(5, 5, 6, 6, nan), spoilt(7, 9, 8, 10, inf), spoilt(10, 0, 60, 40, nan)}) {
+    const auto* const scan = scanOfImage(image);
+    ASSERT_TRUE(scan);
+    ASSERT_EQ(scan->sightings.size(), 1u);
+    EXPECT_NEAR(scan->sightings[0].azimuth, azimuth, 1e-9);
+    EXPECT_NEAR(scan->sightings[0].elevation, elevation, 1e-9);
+  }
+  EXPECT_TRUE(eventually([&] {
+    return diagnosticOf("node/spot_detector", "bad pixels of the newest image, masked") == "2000" &&
+           diagnosticOf("node/spot_detector", "images with bad pixels") == "3";
+  }));
+
+  auto doubles = imageWith(99.5, 80.25, "64FC1");
+  spoil(doubles, 5, 5, 6, 6, std::numeric_limits<double>::quiet_NaN());
+  const auto* const of_doubles = scanOfImage(doubles);
+  ASSERT_TRUE(of_doubles);
+  EXPECT_EQ(of_doubles->sightings.size(), 1u);
+
+  auto blind = clean;
+  blind.header.stamp = ros::Time::now();
+  spoil(blind, 0, 0, kWidth, kHeight, nan);
+  images_.publish(blind);
+  EXPECT_TRUE(
+      eventually([&] { return !diagnosticOf("node/spot_detector", "refused, no good pixel").empty(); }));
+  EXPECT_EQ(scanOf(node_, blind.header.stamp), nullptr) << "it did not look, and is silent";
 }
 
 TEST_F(SpotDetectorNode, AnImageWithoutSpotsIsAnEmptyScan) {

@@ -31,6 +31,18 @@ TEST(FramedScan, SightingsKeepTheirOrderAndThoseThatCannotBeUsedAreMarked) {
   EXPECT_NEAR(core::anglesOf(framed.scan.sightings[2].direction).x(), 0.3, 1e-12);
 }
 
+TEST(FramedScan, AnglesThatAreRoundedBeyondTheEndOfTheirRangeAreTaken) {
+  const FramedScan framed = framedScan(sharedScan({{static_cast<float>(2.0 * core::kPi), 0.2},
+                                                   {0.1, static_cast<float>(0.5 * core::kPi)},
+                                                   {0.1, -1.570796327}}),
+                                       std::nullopt, std::nullopt);
+  EXPECT_TRUE(framed.rejections.empty());
+  ASSERT_EQ(framed.scan.sightings.size(), 3u);
+  EXPECT_NEAR(core::anglesOf(framed.scan.sightings[0].direction).x(), 0.0, 1e-6);
+  EXPECT_NEAR(framed.scan.sightings[1].direction.z(), 1.0, 1e-12);
+  EXPECT_NEAR(framed.scan.sightings[2].direction.z(), -1.0, 1e-12);
+}
+
 TEST(FramedScan, UncertaintyOfTheAttitudeWidensTurnedSightings) {
   sightline_ros::Turn turn;
   turn.R_tracking_sensor.setIdentity();

@@ -70,6 +70,14 @@ TEST(CsvRecordings, WithoutScanColumnEachRowIsAScanInOrderOfTime) {
   EXPECT_EQ(scans[2].header.stamp, ros::Time(2.0));
 }
 
+TEST(CsvRecordings, AnglesThatAreRoundedBeyondTheEndOfTheirRangeAreTaken) {
+  const auto scans =
+      scansOf(tableOf(kHeader +
+                      "\n1,a,6.2831855,0,1e-3,1e-3\n2,a,0,1.570796327,1e-3,1e-3\n3,a,0,-1.5708,1e-3,1e-3\n"),
+              "f", 0.0);
+  EXPECT_EQ(scans.size(), 3u);
+}
+
 TEST(CsvRecordings, TimesAreExactToTheNanosecond) {
   const auto scans =
       scansOf(tableOf(kHeader + "\n1700000000.123456789,a,0,0,1e-3,1e-3\n1e1,a,0,0,1e-3,1e-3\n"), "f", 0.0);

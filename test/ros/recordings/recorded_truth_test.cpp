@@ -91,6 +91,11 @@ TEST_F(RecordedTruthTest, WithoutElevationsOnlyAzimuthsAreCompared) {
   EXPECT_EQ(fromCsv(text, core::Channels::azimuth_only).motions.at("").size(), 1u);
 }
 
+TEST_F(RecordedTruthTest, AnglesThatAreRoundedBeyondTheEndOfTheirRangeAreTaken) {
+  const RecordedTruth truth = fromCsv("time,azimuth,elevation\n100,6.2831855,1.570796327\n");
+  EXPECT_NEAR(truth.motions.at("").at(at(100.0)).at(1)(1), 0.5 * core::kPi, 1e-12);
+}
+
 TEST_F(RecordedTruthTest, DegreesAndEmptyFilesAreRefused) {
   EXPECT_NE(complaintOf([&] { fromCsv("time,azimuth,elevation\n100,45,0\n"); }).find("degrees?"),
             std::string::npos);
