@@ -87,7 +87,7 @@ Lens Lens::equidistant(std::vector<double> coefficients) {
 
 Lens::Lens(Kind kind, std::vector<double> coefficients)
     : kind_(kind), coefficients_(std::move(coefficients)) {
-  if (kind_ == Kind::perspective && (k(12) != 0.0 || k(13) != 0.0)) {  // (S-91), tilt
+  if (kind_ == Kind::perspective && (k(12) != 0.0 || k(13) != 0.0)) {  // (S-101), tilt
     const double cx = std::cos(k(12)), sx = std::sin(k(12)), cy = std::cos(k(13)), sy = std::sin(k(13));
     Eigen::Matrix3d about_x, about_y, onto_plane;
     about_x << 1.0, 0.0, 0.0, 0.0, cx, sx, 0.0, -sx, cx;
@@ -99,7 +99,7 @@ Lens::Lens(Kind kind, std::vector<double> coefficients)
   findEdge();
 }
 
-/// Where the image's radius stops growing: at the first root of its slope (S-91), (S-92), or at a pole.
+/// Where the image's radius stops growing: at the first root of its slope (S-101), (S-102), or at a pole.
 void Lens::findEdge() {
   double first = kInfinite;  // in squares of what is off the axis
   if (kind_ == Kind::equidistant) {
@@ -131,11 +131,11 @@ bool Lens::isRadial() const {
 
 double Lens::radius(double off_axis) const {
   const double s = off_axis * off_axis;
-  if (kind_ == Kind::equidistant) {  // (S-92)
+  if (kind_ == Kind::equidistant) {  // (S-102)
     return off_axis * (1.0 + s * (k(0) + s * (k(1) + s * (k(2) + s * k(3)))));
   }
   return off_axis * (1.0 + s * (k(0) + s * (k(1) + s * k(4)))) /
-         (1.0 + s * (k(5) + s * (k(6) + s * k(7))));  // (S-91)
+         (1.0 + s * (k(5) + s * (k(6) + s * k(7))));  // (S-101)
 }
 
 double Lens::radiusSlope(double off_axis) const {
@@ -150,7 +150,7 @@ double Lens::radiusSlope(double off_axis) const {
   return (above + 2.0 * s * above_slope) / below - 2.0 * s * above * below_slope / (below * below);
 }
 
-/// (S-93): the radius grows up to the edge, so that there is one solution; Newton's steps within a bracket.
+/// (S-103): the radius grows up to the edge, so that there is one solution; Newton's steps within a bracket.
 std::optional<double> Lens::offAxisAt(double image_radius) const {
   if (!(image_radius <= edge_radius_)) return std::nullopt;
   double low = 0.0, high = std::min(edge_off_axis_, std::max(2.0 * image_radius, 1.0));
@@ -234,7 +234,7 @@ LensRay Lens::fisheyeRay(const Eigen::Vector2d& image, double off_axis) const {
   return ray;
 }
 
-/// (S-91), but for the tilt.
+/// (S-101), but for the tilt.
 Lens::Distorted Lens::distort(const Eigen::Vector2d& point) const {
   const double x = point.x(), y = point.y(), s = point.squaredNorm();
   const double above = 1.0 + s * (k(0) + s * (k(1) + s * k(4)));
@@ -264,7 +264,7 @@ Lens::Distorted Lens::tilt(const Eigen::Vector2d& point) const {
   return out;
 }
 
-/// (S-93): from the centre, where image and undistorted image agree, in steps that Newton's method mends. The
+/// (S-103): from the centre, where image and undistorted image agree, in steps that Newton's method mends. The
 /// determinant stays positive all the way, so that the way does not cross the fold.
 std::optional<Eigen::Vector2d> Lens::follow(const Eigen::Vector2d& image) const {
   const double hit = kHit * (1.0 + image.norm());

@@ -69,7 +69,7 @@ PixelMask::Box PixelMask::grown(const Box& box, int by) const {
           std::min(box.bottom + by, height_)};
 }
 
-/// (S-95), smoothing.
+/// (S-105), smoothing.
 void PixelMask::mendSmoothed(std::vector<float>& smoothed) {
   const Box box = grown(bad_box_, 1);
   for (int v = box.top; v < box.bottom; ++v) {
@@ -98,7 +98,7 @@ void PixelMask::mendSmoothed(std::vector<float>& smoothed) {
   }
 }
 
-/// (S-95), background.
+/// (S-105), background.
 void PixelMask::mendContrast(const std::vector<float>& smoothed, std::vector<float>& contrast) {
   forRingsWithBad(smoothed, whole_, [&](int u, int v, const Sums& sums) {
     const std::size_t here = at(u, v);
@@ -138,7 +138,7 @@ void PixelMask::mendContrast(const std::vector<float>& smoothed, std::vector<flo
   });
 }
 
-/// (S-95), noise.
+/// (S-105), noise.
 void PixelMask::mendNoise(const std::vector<float>& rough, std::vector<float>& noise) {
   even_.resize(whole_.size());
   for (int v = 0; v < height_; ++v) {

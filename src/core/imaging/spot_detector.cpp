@@ -263,7 +263,7 @@ SpotDetector::Patch SpotDetector::patchAround(int u, int v) const {
 /// (S-90): the centre c of a Gaussian window in which the spot is balanced: F(c) = sum w (x - c) d(x) = 0, w
 /// as wide as the spot, d the contrast. Its covariance is that of any such estimate: G^-1 V G^-T with G =
 /// dF/dc and V = variance of F from the noise of the pixels, sigma^2 sum w^2 (x - c)(x - c)'. A bad pixel has
-/// the contrast that the others lead one to expect of a spot of the window's shape (S-95).
+/// the contrast that the others lead one to expect of a spot of the window's shape (S-105).
 Spot SpotDetector::locate(const Peak& peak, const Blob& blob) const {
   const Patch patch = patchAround(peak.u, peak.v);
   const double width = std::max(std::sqrt(blob.area / kAreaAtHalf), kNarrowestWindow);

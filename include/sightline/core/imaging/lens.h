@@ -20,12 +20,12 @@ struct LensRay {
 /// image of that fold nothing is imaged at all. The lens ends at its fold.
 class Lens {
  public:
-  /// Perspective lens with the distortion of Brown and Conrady (S-91). Coefficients, of which the last ones
+  /// Perspective lens with the distortion of Brown and Conrady (S-101). Coefficients, of which the last ones
   /// may be left out: k1, k2, p1, p2, k3, k4, k5, k6 (radial, the last three below the line), s1, s2, s3, s4
   /// (thin prism), tilt about x and y [rad]. Up to 14.
   static Lens perspective(std::vector<double> coefficients);
 
-  /// Fisheye lens whose image radius is a polynomial of the angle off the axis, up to 180 degrees (S-92).
+  /// Fisheye lens whose image radius is a polynomial of the angle off the axis, up to 180 degrees (S-102).
   /// Coefficients k1, k2, k3, k4, of which the last ones may be left out.
   static Lens equidistant(std::vector<double> coefficients);
 
@@ -33,7 +33,7 @@ class Lens {
   /// perspective lens.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& direction) const;
 
-  /// The ray that falls on a point of the image, to the last digits (S-93); nullopt when none does.
+  /// The ray that falls on a point of the image, to the last digits (S-103); nullopt when none does.
   std::optional<LensRay> rayAt(const Eigen::Vector2d& image) const;
 
   /// Off the axis, at which the lens ends [rad]: its fold, 90 degrees (perspective) or 180 (equidistant). The

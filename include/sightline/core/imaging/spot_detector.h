@@ -50,7 +50,7 @@ class SpotDetector {
 
   /// The spots of the next frame, strongest first; valid until the next call. An image of another size than
   /// the last one starts anew. Bad pixels (NaN, infinite) are left out, and the rest is seen as without them,
-  /// (S-95). No allocation once the size is known, but for the list of spots.
+  /// (S-105). No allocation once the size is known, but for the list of spots.
   const std::vector<Spot>& detect(const GreyImage& image);
 
   int badPixels() const { return mask_.count(); }  ///< of the last frame
