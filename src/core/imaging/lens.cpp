@@ -264,8 +264,8 @@ Lens::Distorted Lens::tilt(const Eigen::Vector2d& point) const {
   return out;
 }
 
-/// (S-103): from the centre, where image and undistorted image agree, in steps that Newton's method mends. The
-/// determinant stays positive all the way, so that the way does not cross the fold.
+/// (S-103): from the centre, where image and undistorted image agree, in steps that Newton's method mends.
+/// The determinant stays positive all the way, so that the way does not cross the fold.
 std::optional<Eigen::Vector2d> Lens::follow(const Eigen::Vector2d& image) const {
   const double hit = kHit * (1.0 + image.norm());
   Eigen::Vector2d here = Eigen::Vector2d::Zero();

@@ -172,7 +172,8 @@ PixelRays::PixelRays(const sensor_msgs::CameraInfo& camera, bool rectified)
   if (const auto refusal = refusalOf(camera, rectified)) throw std::invalid_argument(refusal->detail);
   lens_ = lensOf(camera, rectified);
   R_optical_camera_ = rectified ? Eigen::Matrix3d::Identity() : rotationOf(camera);
-  // (S-104): K and P are those of the whole image without binning. A pixel that joins n x n lies between them.
+  // (S-104): K and P are those of the whole image without binning. A pixel that joins n x n lies between
+  // them.
   const Intrinsics of_all = intrinsicsOf(camera, rectified);
   const Eigen::Vector2d binning(std::max(camera.binning_x, 1u), std::max(camera.binning_y, 1u));
   const Eigen::Vector2d region(camera.roi.x_offset, camera.roi.y_offset);

@@ -16,8 +16,8 @@ inline constexpr float kSmoothSide = 0.25F, kSmoothMiddle = 0.5F;
 inline constexpr int kNoiseCross = 4;
 
 /// The bad pixels of an image: NaN, infinite, or beyond 1e18 in size. It mends the planes of the spot
-/// detector near them, so that they show what they would without the bad pixels (S-105); far from them nothing
-/// changes.
+/// detector near them, so that they show what they would without the bad pixels (S-105); far from them
+/// nothing changes.
 class PixelMask {
  public:
   /// The square round a pixel whose rest is its background: half widths [px], guard < neighbourhood.
