@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -46,18 +45,35 @@ class PixelMask {
 
  private:
   static constexpr float kLeastPart = 0.5F;
+  static constexpr double kSmoothGain = 0.140625;  // sum of the squares of the smoothing's weights
 
-  /// Sums over the good pixels of a ring: 1, x, y, xx, xy, yy, value, x value, y value.
-  using Sums = Eigen::Array<double, 9, 1>;
+  /// Sums over the good pixels of a ring: count and value, or beyond these x, y, xx, xy, yy, x value, y value
+  /// (and a place that is not used).
+  template <int kSize>
+  using Sums = Eigen::Array<double, kSize, 1>;
+  static constexpr int kMean = 2, kPlane = 10;
+
+  /// Running sums over the columns of the image, and those before each column in its row.
+  template <int kSize>
+  struct Columns {
+    std::vector<Sums<kSize>> outer, inner, outer_before, inner_before;
+  };
 
   /// Columns and rows from the first to before the last.
   struct Box {
     int left = 0, top = 0, right = 0, bottom = 0;
   };
 
+  /// A smoothed pixel: its centre aside of the pixel [px], and the sum of the squares of its weights.
+  struct Smoothing {
+    double aside_x = 0.0, aside_y = 0.0, squares = kSmoothGain;
+  };
+
+  Smoothing smoothingAt(int u, int v) const;
   Box grown(const Box& box, int by) const;  // within the image
-  void forRingsWithBad(const std::vector<float>& plane, const std::vector<unsigned char>& good,
-                       const std::function<void(int u, int v, const Sums& sums)>& visit);
+  template <int kSize, typename Visit>
+  void forRingsWithBad(Columns<kSize>& columns, const std::vector<float>& plane,
+                       const std::vector<unsigned char>& good, const Visit& visit);
   std::size_t at(int u, int v) const {
     return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u);
   }
@@ -72,7 +88,8 @@ class PixelMask {
   std::vector<float> part_;                  // of the weights of a smoothed pixel that is on good ones
   std::vector<float> growth_;                // of the contrast's noise variance by what is missing
   std::vector<float> squares_;               // of the differences
-  std::vector<Sums> outer_, inner_, outer_before_, inner_before_;
+  Columns<kMean> mean_columns_;
+  Columns<kPlane> plane_columns_;
 };
 
 }  // namespace sightline::core
