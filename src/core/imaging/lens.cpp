@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "sightline/core/model/sphere.h"

@@ -64,13 +64,13 @@ struct AdapterTopic {
   std::string camera_info;  ///< topic; empty = not a camera
   bool is_rectified = false;
 
+  /// A vector (0, 0, 0), or a box of four zeros, is an unused slot: nothing is there. Else it is refused.
+  bool zero_is_nothing = false;
+
   double ifov = std::numeric_limits<double>::quiet_NaN();
   double detection_probability = std::numeric_limits<double>::quiet_NaN();
   double clutter_density = std::numeric_limits<double>::quiet_NaN();
   int max_sightings = 1000;  ///< a message with more is refused, >= 1
-
-  /// A vector (0, 0, 0), or a box of four zeros, is an unused slot: nothing is there. Else it is refused.
-  bool zero_is_nothing = false;
 
   FieldMap fields;                         ///< of clouds and messages read by field paths
   sightline::core::LaserSpotParams laser;  ///< of laser scans
