@@ -50,8 +50,7 @@ inline core::LocalReport reportOf(const std::string& tracker, double t, std::vec
 inline std::vector<std::string> reasonsOf(const std::vector<core::SourceTrack>& rows) {
   std::vector<std::string> kinds;
   for (const core::SourceTrack& row : rows) {
-    kinds.push_back(row.tracker + " " + std::to_string(row.id) + " " +
-                    row.reason.substr(0, row.reason.find(':')));
+    kinds.push_back(row.tracker + " " + std::to_string(row.id) + " " + (row.reason ? row.reason->kind : ""));
   }
   return kinds;
 }

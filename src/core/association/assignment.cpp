@@ -1,12 +1,16 @@
 #include "sightline/core/association/assignment.h"
 
+#include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 namespace sightline::core {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLargestCost = 1e100;  // in size: sums and differences of such costs stay finite
+
+bool isAllowed(double cost) {
+  return std::abs(cost) <= kLargestCost;  // not for NaN
+}
 
 /// The problem with one private extra column for every row, which stands for "alone": it always has a
 /// solution.
@@ -17,8 +21,8 @@ class CompletedCost {
   int rows() const { return static_cast<int>(cost_.rows()); }
   int columns() const { return static_cast<int>(cost_.cols() + cost_.rows()); }
   double operator()(int row, int column) const {
-    if (column < cost_.cols()) return cost_(row, column);
-    return column - cost_.cols() == row ? cost_alone_ : kInfinity;
+    if (column < cost_.cols()) return isAllowed(cost_(row, column)) ? cost_(row, column) : kForbidden;
+    return column - cost_.cols() == row ? cost_alone_ : kForbidden;
   }
 
  private:
@@ -31,7 +35,7 @@ double prohibitiveCost(const Eigen::MatrixXd& cost) {
   double largest = 0.0;
   for (Eigen::Index k = 0; k < cost.size(); ++k) {
     const double value = *(cost.data() + k);
-    if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+    if (isAllowed(value)) largest = std::max(largest, std::abs(value));
   }
   return 1.0 + 2.0 * largest * static_cast<double>(std::min(cost.rows(), cost.cols()) + 1);
 }
@@ -45,7 +49,7 @@ struct Matching {
 /// Matches one more row along the shortest augmenting path (Dijkstra on reduced costs).
 void augment(const CompletedCost& cost, int new_row, Matching& matching) {
   const int columns = cost.columns();
-  std::vector<double> distance(columns, kInfinity);
+  std::vector<double> distance(columns, kForbidden);
   std::vector<int> previous(columns, -1);
   std::vector<bool> settled(columns, false);
 
@@ -84,10 +88,7 @@ void augment(const CompletedCost& cost, int new_row, Matching& matching) {
 }  // namespace
 
 std::vector<int> assign(const Eigen::MatrixXd& cost, double cost_alone) {
-  if (cost.array().isNaN().any() || std::isnan(cost_alone)) {
-    throw std::invalid_argument("assign: a cost is NaN; use infinity to forbid a pair");
-  }
-  const CompletedCost completed(cost, std::isinf(cost_alone) ? prohibitiveCost(cost) : cost_alone);
+  const CompletedCost completed(cost, isAllowed(cost_alone) ? cost_alone : prohibitiveCost(cost));
   Matching matching{std::vector<double>(completed.rows(), 0.0), std::vector<double>(completed.columns(), 0.0),
                     std::vector<int>(completed.columns(), -1)};
   for (int row = 0; row < completed.rows(); ++row) augment(completed, row, matching);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <sstream>
 
 #include <Eigen/Cholesky>
@@ -46,8 +47,8 @@ void leaveOutCoasting(const GlobalTrack& track, double coasting_age, Contributor
       continue;
     }
     std::ostringstream why;
-    why << "coasting: last sighting " << silence(number) << " s ago (coasting_age " << coasting_age << " s)";
-    choice.left_out.emplace_back(number, why.str());
+    why << "last sighting " << silence(number) << " s ago (coasting_age " << coasting_age << " s)";
+    choice.left_out.emplace_back(number, Refusal{"coasting", why.str()});
   }
   choice.used = kept;
 }
@@ -63,18 +64,18 @@ void leaveOutSharedSensors(const GlobalTrack& track, Contributors& choice) {
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::size_t> kept;
   for (const auto& [_, number] : surest_first) {
-    std::string why;
+    std::optional<Refusal> why;
     for (const std::size_t surer : kept) {
       const std::string shared = sharedOrigin(supporters[number], supporters[surer]);
       if (!shared.empty()) {
-        why = "shared sensor: " + shared + " is in the track of " + supporters[surer].key.tracker +
-              " too, and its sightings would count twice";
+        why = Refusal{"shared sensor", shared + " is in the track of " + supporters[surer].key.tracker +
+                                           " too, and its sightings would count twice"};
       }
     }
-    if (why.empty()) {
-      kept.push_back(number);
+    if (why) {
+      choice.left_out.emplace_back(number, *why);
     } else {
-      choice.left_out.emplace_back(number, why);
+      kept.push_back(number);
     }
   }
   choice.used = kept;
@@ -84,8 +85,9 @@ void leaveOutSharedSensors(const GlobalTrack& track, Contributors& choice) {
 
 double uncertainty(const AngularState& state) {
   const Eigen::LLT<Eigen::Matrix4d> factor(state.covariance);
-  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  const double log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  const bool is_determined = factor.info() == Eigen::Success && std::isfinite(log_determinant);
+  return is_determined ? log_determinant : std::numeric_limits<double>::infinity();
 }
 
 bool nameTheirSensors(const GlobalTrack& track, const std::vector<std::size_t>& numbers) {
@@ -103,8 +105,7 @@ Contributors chooseContributors(const GlobalTrack& track, double coasting_age, b
   leaveOutCoasting(track, coasting_age, choice);
   if (!allow_shared_sensors) leaveOutSharedSensors(track, choice);
   for (std::size_t i = 0; i < track.supporters().size(); ++i) {
-    if (!track.supporters()[i].unusable.empty())
-      choice.left_out.emplace_back(i, track.supporters()[i].unusable);
+    if (const auto& why = track.supporters()[i].unusable) choice.left_out.emplace_back(i, *why);
   }
   std::sort(choice.used.begin(), choice.used.end(), by_key);
   std::sort(choice.left_out.begin(), choice.left_out.end(),

@@ -3,14 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include <Eigen/Cholesky>
 
 #include "sightline/core/fusion/global_tracks.h"
+#include "sightline/core/fusion/track_alignment.h"
 #include "sightline/core/model/sphere.h"
 
 namespace sightline::core {
 namespace {
 
-constexpr double kGateSigmas = 3.0;  // half width of the reported gate
+constexpr double kGateSigmas = 3.0;    // half width of the reported gate
+constexpr double kLargestSigma = kPi;  // of a position on the sphere [rad]: beyond, it may be anywhere
 
 SourceTrack rowOf(const Supporter& supporter, Time now) {
   SourceTrack row;
@@ -33,7 +38,9 @@ void summarize(const std::vector<const Track*>& contributors, Track& track) {
   }
 }
 
-void setState(const AngularState& state_tracking, Track& track) {
+void setState(const AngularState& state_tracking, FusedTrack& description) {
+  Track& track = description.track;
+  description.withheld = whyNoTrack(state_tracking);
   track.state = state_tracking;
   track.state.mean(0) = wrapAngle(track.state.mean(0));
   track.gate.centre = track.state.angles();
@@ -41,7 +48,42 @@ void setState(const AngularState& state_tracking, Track& track) {
   track.gate.half_width = kGateSigmas * track.gate.covariance.diagonal().cwiseSqrt();
 }
 
+SourceTrack leftOutRow(const std::string& tracker, std::uint32_t id, double age, const Refusal& why) {
+  SourceTrack row;
+  row.tracker = tracker;
+  row.id = id;
+  row.age = age;
+  row.reason = why;
+  return row;
+}
+
+/// Why a local track supports no global one.
+Refusal whyFree(const LocalKey& key, const LocalTrack& local, const GlobalTracks& tracks,
+                const LocalReports& reports, const std::map<LocalKey, std::uint32_t>& waiting) {
+  if (auto why = reports.whyUnusable(key.tracker, local)) return *why;
+  const auto waits = waiting.find(key);
+  if (waits != waiting.end()) {
+    return {"contested", "another track of its tracker still has its place in global track " +
+                             std::to_string(waits->second)};
+  }
+  if (local.track.status == TrackStatus::coasting) return {"coasting", "it cannot start a global track"};
+  return {"limit", "already " + std::to_string(tracks.entries().size()) + " global tracks (max_tracks)"};
+}
+
 }  // namespace
+
+std::optional<Refusal> whyNoTrack(const AngularState& state_tracking) {
+  if (!state_tracking.mean.allFinite() || !state_tracking.covariance.allFinite())
+    return Refusal{"undetermined", "the fused state is not finite"};
+  const double sigma = largestPositionSigma(state_tracking);
+  if (!(sigma <= kLargestSigma)) {
+    return Refusal{"too uncertain", "the fused position has a sigma of " + std::to_string(sigma) +
+                                        " rad, which is more than the sphere"};
+  }
+  if (Eigen::LLT<Eigen::Matrix4d>(state_tracking.covariance).info() != Eigen::Success)
+    return Refusal{"undetermined", "the fused covariance is not positive definite"};
+  return std::nullopt;
+}
 
 std::vector<double> positionShares(const std::vector<Eigen::Matrix4d>& gains) {
   std::vector<double> shares;
@@ -73,7 +115,7 @@ void describeFusion(const GlobalTrack& track, const std::vector<std::size_t>& us
   const Supporter& first = track.supporters()[used.front()];
   const bool as_it_came =
       used.size() == 1 && first.reported == track.time() && description.rule != FusionRule::tracklets;
-  setState(as_it_came ? first.track.state : track.chart().toTracking(track.state()), description.track);
+  setState(as_it_came ? first.track.state : track.chart().toTracking(track.state()), description);
 }
 
 void describeCoasting(const GlobalTrack& track, FusedTrack& description) {
@@ -81,11 +123,10 @@ void describeCoasting(const GlobalTrack& track, FusedTrack& description) {
   description.track.sources.clear();
   description.track.status = TrackStatus::coasting;
   ++description.track.misses;
-  setState(track.chart().toTracking(track.state()), description.track);
+  setState(track.chart().toTracking(track.state()), description);
 }
 
-void describeLeftOut(const GlobalTrack& track,
-                     const std::vector<std::pair<std::size_t, std::string>>& left_out,
+void describeLeftOut(const GlobalTrack& track, const std::vector<std::pair<std::size_t, Refusal>>& left_out,
                      FusedTrack& description) {
   description.left_out.clear();
   for (const auto& [number, why] : left_out) {
@@ -94,39 +135,21 @@ void describeLeftOut(const GlobalTrack& track,
   }
 }
 
-namespace {
-
-SourceTrack leftOutRow(const std::string& tracker, std::uint32_t id, double age, const std::string& why) {
-  SourceTrack row;
-  row.tracker = tracker;
-  row.id = id;
-  row.age = age;
-  row.reason = why;
-  return row;
-}
-
-/// Why a local track supports no global one.
-std::string whyFree(const LocalKey& key, const LocalTrack& local, const GlobalTracks& tracks,
-                    const LocalReports& reports, const std::map<LocalKey, std::uint32_t>& waiting) {
-  std::string why = reports.whyUnusable(key.tracker, local);
-  if (!why.empty()) return why;
-  const auto waits = waiting.find(key);
-  if (waits != waiting.end()) {
-    return "contested: another track of its tracker still has its place in global track " +
-           std::to_string(waits->second);
-  }
-  if (local.track.status == TrackStatus::coasting) return "coasting: it cannot start a global track";
-  return "limit: already " + std::to_string(tracks.entries().size()) + " global tracks (max_tracks)";
-}
-
-}  // namespace
-
 FusionReport describe(const GlobalTracks& tracks, const LocalReports& reports,
                       const std::map<LocalKey, std::uint32_t>& waiting) {
   FusionReport report;
   report.time = tracks.time();
   for (const GlobalTrackEntry& entry : tracks.entries()) {
-    if (!entry.track.supporters().empty()) report.tracks.push_back(entry.report);
+    if (entry.track.supporters().empty()) continue;
+    if (!entry.report.withheld) {
+      report.tracks.push_back(entry.report);
+      continue;
+    }
+    for (SourceTrack row : entry.report.sources) {
+      row.weight = 0.0;
+      row.reason = entry.report.withheld;
+      report.left_out.push_back(std::move(row));
+    }
   }
   for (const auto& [name, tracker] : reports.trackers()) {
     const double age = reports.age(tracker.time);
@@ -141,7 +164,7 @@ FusionReport describe(const GlobalTracks& tracks, const LocalReports& reports,
   return report;
 }
 
-FusionReport describeRefused(const FusionReport& latest, const LocalReport& refused, const std::string& why,
+FusionReport describeRefused(const FusionReport& latest, const LocalReport& refused, const Refusal& why,
                              std::size_t max_tracks) {
   FusionReport report = latest;
   report.refusal = why;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -115,8 +116,8 @@ std::optional<Time> GlobalTrack::setMisplaced(std::size_t supporter, bool is_mis
   return since;
 }
 
-void GlobalTrack::setUnusable(std::size_t supporter, const std::string& why) {
-  supporters_[supporter].unusable = why;
+void GlobalTrack::setUnusable(std::size_t supporter, std::optional<Refusal> why) {
+  supporters_[supporter].unusable = std::move(why);
   supporters_[supporter].distance_squared = std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -131,7 +132,7 @@ void GlobalTrack::absorb(const GlobalTrack& other) {
 std::vector<std::size_t> GlobalTrack::usable() const {
   std::vector<std::size_t> numbers;
   for (std::size_t i = 0; i < supporters_.size(); ++i) {
-    if (supporters_[i].unusable.empty()) numbers.push_back(i);
+    if (!supporters_[i].unusable) numbers.push_back(i);
   }
   return numbers;
 }
@@ -166,13 +167,12 @@ std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const TrackerMisali
     }
     if (worst == supporters_.size()) break;
     std::ostringstream why;
-    why << "contradiction: distance squared " << farthest << " from the other local tracks (" << threshold
-        << " allowed)";
+    why << "distance squared " << farthest << " from the other local tracks (" << threshold << " allowed)";
     contradicting.push_back(worst);
-    supporters_[worst].unusable = why.str();
+    supporters_[worst].unusable = Refusal{"contradiction", why.str()};
   }
   if (2 * contradicting.size() > asked) {  // no majority agrees: whoever is left is left by chance
-    for (const std::size_t number : contradicting) supporters_[number].unusable.clear();
+    for (const std::size_t number : contradicting) supporters_[number].unusable.reset();
     compareSupporters(registration);
     return {};
   }

@@ -6,12 +6,18 @@
 namespace sightline::core {
 namespace {
 
-constexpr std::size_t kMostFormer = 32;  // local tracks that a global one remembers
+constexpr std::size_t kMostFormer = 32;     // local tracks that a global one remembers
+constexpr std::size_t kMostRetired = 1024;  // local tracks of deleted global ones that are remembered
+constexpr std::uint32_t kFewHits = 20;  // with which a local track returns; more: its tracker started again
 
-/// Whether the entry has lost this local track, which has more hits now than then.
-bool hadSupporter(const GlobalTrackEntry& entry, const LocalKey& key, std::uint32_t hits) {
-  return std::any_of(entry.former.begin(), entry.former.end(),
-                     [&](const auto& former) { return former.first == key && former.second < hits; });
+/// The hits of this local track when the entry lost it, if it has more now; nullopt when it did not have it.
+std::optional<std::uint32_t> hitsWhenLost(const GlobalTrackEntry& entry, const LocalKey& key,
+                                          std::uint32_t hits) {
+  std::optional<std::uint32_t> latest;
+  for (const auto& [former, then] : entry.former) {
+    if (former == key && then < hits) latest = std::max(latest.value_or(then), then);
+  }
+  return latest;
 }
 
 }  // namespace
@@ -28,9 +34,9 @@ void removeSupporter(GlobalTrackEntry& entry, std::size_t supporter) {
 void leaveOutBiased(GlobalTrackEntry& entry) {
   const auto& supporters = entry.track.supporters();
   for (std::size_t i = 0; i < supporters.size(); ++i) {
-    if (!supporters[i].unusable.empty()) continue;
-    const auto exclusion = entry.tracklets.exclusionOf(supporters[i].key);
-    if (exclusion) entry.track.setUnusable(i, textOf(*exclusion));
+    if (supporters[i].unusable) continue;
+    if (auto exclusion = entry.tracklets.exclusionOf(supporters[i].key))
+      entry.track.setUnusable(i, std::move(exclusion));
   }
 }
 
@@ -38,7 +44,7 @@ GlobalTracks::GlobalTracks(const TrackFusionParams& params)
     : params_(params), thresholds_(thresholdsOf(params)) {}
 
 void GlobalTracks::follow(const LocalReports& reports, const std::string& reporting) {
-  if (reports.newest() < time_) entries_.clear();  // the trackers' stamps start again
+  if (reports.newest() < time_) reset();  // the trackers' stamps start again
   time_ = reports.newest();
   for (GlobalTrackEntry& entry : entries_) {
     entry.track.advance(time_);
@@ -61,9 +67,8 @@ void GlobalTracks::followReports(GlobalTrackEntry& entry, const LocalReports& re
       removeSupporter(entry, i);
       continue;
     }
-    const std::string why = reports.whyUnusable(key.tracker, *local);
-    entry.track.setUnusable(i, why);
-    if (!why.empty() || key.tracker != reporting) continue;
+    entry.track.setUnusable(i, reports.whyUnusable(key.tracker, *local));
+    if (entry.track.supporters()[i].unusable || key.tracker != reporting) continue;
     LocalTrack honest = *local;
     honest.track.state.covariance *= entry.tracklets.noiseScale(key);
     const double surprise = entry.track.renew(i, honest);
@@ -74,20 +79,54 @@ void GlobalTracks::followReports(GlobalTrackEntry& entry, const LocalReports& re
 
 void GlobalTracks::start(const LocalKey& key, const LocalTrack& local) {
   if (local.track.status != TrackStatus::confirmed) return;
-  const auto before = std::find_if(entries_.begin(), entries_.end(), [&](const GlobalTrackEntry& entry) {
-    return entry.track.supporters().empty() && hadSupporter(entry, key, local.track.hits);
-  });
-  if (before != entries_.end()) {
-    before->track.join(key, local);
+  const std::size_t former = formerOf(key, local);
+  if (former < entries_.size()) {
+    entries_[former].track.join(key, local);
     return;
   }
   if (entries_.size() >= static_cast<std::size_t>(params_.max_tracks)) return;
-  GlobalTrackEntry entry{GlobalTrack(next_id_++, time_, key, local, params_.process_noise),
-                         TrackletFusion(params_.tracklets),
-                         {},
-                         {}};
-  entry.report.track.id = entry.track.id();
-  entries_.push_back(std::move(entry));
+  const std::optional<std::uint32_t> retired = retiredIdOf(key, local);
+  const std::uint32_t id = retired ? *retired : next_id_++;
+  GlobalTrackEntry entry{
+      GlobalTrack(id, time_, key, local, params_.process_noise), TrackletFusion(params_.tracklets), {}, {}};
+  entry.report.track.id = id;
+  const auto place = std::upper_bound(
+      entries_.begin(), entries_.end(), id,
+      [](std::uint32_t value, const GlobalTrackEntry& other) { return value < other.track.id(); });
+  entries_.insert(place, std::move(entry));
+}
+
+std::size_t GlobalTracks::formerOf(const LocalKey& key, const LocalTrack& local) const {
+  std::size_t best = entries_.size();
+  std::uint32_t latest = 0;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (!entries_[i].track.supporters().empty()) continue;
+    const std::optional<std::uint32_t> hits = hitsWhenLost(entries_[i], key, local.track.hits);
+    if (!hits || (best < entries_.size() && *hits <= latest)) continue;
+    best = i;
+    latest = *hits;
+  }
+  return best;
+}
+
+void GlobalTracks::retire(const GlobalTrackEntry& entry) {
+  for (const auto& [key, hits] : entry.former) retired_.push_back({key, hits, entry.track.id()});
+  while (retired_.size() > kMostRetired) retired_.pop_front();
+}
+
+/// The id of the last global track that the local one supported, which is taken by this.
+std::optional<std::uint32_t> GlobalTracks::retiredIdOf(const LocalKey& key, const LocalTrack& local) {
+  for (auto it = retired_.rbegin(); it != retired_.rend(); ++it) {
+    if (!(it->key == key)) continue;
+    const std::uint32_t id = it->id;
+    const bool is_same = local.track.hits > it->hits && local.track.hits <= it->hits + kFewHits;
+    if (!is_same) return std::nullopt;
+    retired_.erase(std::remove_if(retired_.begin(), retired_.end(),
+                                  [id](const Retired& other) { return other.id == id; }),
+                   retired_.end());
+    return id;
+  }
+  return std::nullopt;
 }
 
 void GlobalTracks::merge(const std::vector<std::pair<std::size_t, std::size_t>>& pairs,
@@ -110,10 +149,15 @@ void GlobalTracks::erase(const std::vector<std::uint32_t>& ids) {
 }
 
 void GlobalTracks::deleteSilent() {
-  const auto is_silent = [this](const GlobalTrackEntry& entry) {
-    return seconds(time_ - entry.track.lastFusion()) > std::max(params_.delete_after, params_.remember);
-  };
-  entries_.erase(std::remove_if(entries_.begin(), entries_.end(), is_silent), entries_.end());
+  for (auto entry = entries_.begin(); entry != entries_.end();) {
+    const double silence = seconds(time_ - entry->track.lastFusion());
+    if (silence <= std::max(params_.delete_after, params_.remember)) {
+      ++entry;
+      continue;
+    }
+    retire(*entry);
+    entry = entries_.erase(entry);
+  }
 }
 
 std::vector<std::uint32_t> GlobalTracks::supportersOf(const std::string& tracker) const {
@@ -128,6 +172,7 @@ std::vector<std::uint32_t> GlobalTracks::supportersOf(const std::string& tracker
 
 void GlobalTracks::reset() {
   entries_.clear();
+  retired_.clear();
   time_ = {};
 }
 

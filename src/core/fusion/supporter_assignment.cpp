@@ -1,7 +1,6 @@
 #include "sightline/core/fusion/supporter_assignment.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "sightline/core/association/assignment.h"
@@ -14,7 +13,6 @@ namespace {
 
 constexpr double kLoyalty = 0.5;     // of the threshold: by how much another place must be better
 constexpr double kReachSlack = 2.0;  // of distances, before they are computed exactly
-constexpr double kForbidden = std::numeric_limits<double>::infinity();
 
 /// A track of the tracker.
 struct Row {
@@ -52,9 +50,8 @@ std::vector<Row> rowsOf(const std::string& tracker, const std::vector<std::pair<
     if (supporter == nullptr) continue;
     Row row = rowOf(supporter->key, supporter->track, supporter->reported, tracks[i]->time());
     row.present = i;
-    row.is_biased = !supporter->unusable.empty() && !supporter->contradicts_since;
-    row.is_in_doubt =
-        !supporter->unusable.empty() || supporter->distance_squared > kLoyalty * params.join_threshold;
+    row.is_biased = supporter->unusable && !supporter->contradicts_since;
+    row.is_in_doubt = supporter->unusable || supporter->distance_squared > kLoyalty * params.join_threshold;
     rows.push_back(std::move(row));
   }
   for (const auto& [key, local] : free)
@@ -87,7 +84,7 @@ std::vector<GatedPair> neighboursOf(const std::vector<Row>& rows,
 
 /// How ill a track and a place go together.
 struct Mismatch {
-  double distance_squared = kForbidden;  // infinite where it is not determined
+  double distance_squared = kForbidden;  // where it is not determined
   double log_determinant = 0.0;          // of its covariance S
   bool is_alone = false;                 // the place has nobody but this tracker
 };

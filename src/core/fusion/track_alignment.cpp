@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -15,6 +16,9 @@ namespace sightline::core {
 namespace {
 
 constexpr double kSmallestSigma = 1e-9;       // [rad]: a thousandth of an arc second
+constexpr double kLargestSigma = 1e3;         // [rad]: "not known", in one direction
+constexpr double kLargestRate = 1e4;          // [rad/s]
+constexpr double kLargestRateSigma = 1e6;     // [rad/s]: "not known"
 constexpr double kAsymmetry = 1e-6;           // of an entry, relative to the two sigmas
 constexpr double kLeastUncorrelated = 1e-12;  // share of a component's variance that the others leave open
 
@@ -28,6 +32,16 @@ bool isPositiveDefinite(const Eigen::Matrix4d& correlation) {
   const Eigen::LLT<Eigen::Matrix4d> factor(correlation);
   if (factor.info() != Eigen::Success) return false;
   return factor.matrixLLT().diagonal().cwiseAbs2().minCoeff() > kLeastUncorrelated;
+}
+
+/// Sigmas of two components on the sphere, where azimuth shrinks with the cosine of the elevation, ascending.
+Eigen::Vector2d sigmasOnSphere(const Eigen::Matrix2d& covariance, double elevation) {
+  const Eigen::Vector2d shrink(std::max(std::cos(elevation), kSmallestSigma), 1.0);
+  const Eigen::Matrix2d on_sphere = shrink.asDiagonal() * covariance * shrink.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(on_sphere, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .cwiseMax(0.0)
+      .cwiseSqrt();
 }
 
 }  // namespace
@@ -48,42 +62,59 @@ Eigen::Vector2d impliedProcessNoise(const Eigen::Matrix4d& covariance) {
   return q;
 }
 
-std::optional<std::string> rejectionOf(const AngularState& state) {
+std::optional<Refusal> rejectionOf(const AngularState& state) {
   std::ostringstream why;
-  if (!state.mean.allFinite() || !state.covariance.allFinite()) return "state or covariance is not finite";
+  if (!state.mean.allFinite() || !state.covariance.allFinite())
+    return invalid("state or covariance is not finite");
   if (!isAzimuth(state.mean(0)) || !isElevation(state.mean(1))) {
     why << "direction (" << state.mean(0) << ", " << state.mean(1)
         << ") rad is off the sphere: azimuth within +-2 pi, elevation within +-pi/2; are these degrees?";
-    return why.str();
+    return invalid(why.str());
   }
   const Eigen::Vector4d variances = state.covariance.diagonal();
   if (variances.isZero(0.0))
-    return "covariance is zero (is this the truth?): a local track must state its own";
+    return invalid("covariance is zero (is this the truth?): a local track must state its own");
   if (!(variances.minCoeff() > 0.0)) {
     why << "covariance is not positive definite (variances " << variances.transpose() << ")";
-    return why.str();
+    return invalid(why.str());
   }
   const Eigen::Matrix4d correlation = correlationOf(state.covariance);
   if ((correlation - correlation.transpose()).cwiseAbs().maxCoeff() > kAsymmetry)
-    return "covariance is not symmetric";
+    return invalid("covariance is not symmetric");
   if (!isPositiveDefinite(symmetric(correlation))) {
-    return "covariance is not positive definite (its correlations contradict one another)";
+    return invalid("covariance is not positive definite (its correlations contradict one another)");
   }
-  // On the sphere, where azimuth shrinks with the cosine of the elevation.
-  const Eigen::Vector2d shrink(std::max(std::cos(state.mean(1)), kSmallestSigma), 1.0);
-  const Eigen::Matrix2d on_sphere = shrink.asDiagonal() * state.anglesCovariance() * shrink.asDiagonal();
-  const double least = std::sqrt(
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(on_sphere, Eigen::EigenvaluesOnly).eigenvalues()(0));
+  const Eigen::Vector2d sigmas = sigmasOnSphere(state.anglesCovariance(), state.mean(1));
+  const double least = sigmas(0);
   if (!(least >= kSmallestSigma)) {
     why << "sigma " << least << " rad is below " << kSmallestSigma << " rad: no tracker is that good";
-    return why.str();
+    return invalid(why.str());
   }
   if (!(least <= kPi / 2.0)) {
     why << "sigma " << least
         << " rad is above pi/2 in every direction: the track says nothing; are these degrees?";
-    return why.str();
+    return invalid(why.str());
+  }
+  if (!(sigmas(1) <= kLargestSigma)) {
+    why << "sigma " << sigmas(1) << " rad is above " << kLargestSigma << " rad: the state has diverged";
+    return invalid(why.str());
+  }
+  const double rate = std::hypot(std::cos(state.mean(1)) * state.mean(2), state.mean(3));
+  if (!(rate <= kLargestRate)) {
+    why << "rate " << rate << " rad/s is above " << kLargestRate << " rad/s: the state has diverged";
+    return invalid(why.str());
+  }
+  const double rate_sigma = sigmasOnSphere(state.covariance.bottomRightCorner<2, 2>(), state.mean(1))(1);
+  if (!(rate_sigma <= kLargestRateSigma)) {
+    why << "sigma of the rate " << rate_sigma << " rad/s is above " << kLargestRateSigma
+        << " rad/s: the state has diverged";
+    return invalid(why.str());
   }
   return std::nullopt;
+}
+
+double largestPositionSigma(const AngularState& state) {
+  return sigmasOnSphere(state.anglesCovariance(), state.mean(1))(1);
 }
 
 }  // namespace sightline::core

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <optional>
 
 #include "sightline/core/association/assignment.h"
@@ -13,16 +12,18 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kForbidden = std::numeric_limits<double>::infinity();  // cost, see assign()
 constexpr double kReachSlack = 2.0;        // of the gate, before distances are computed exactly
 constexpr double kMergeSlack = 8.0;        // the same for global tracks, whose states are not their estimates
 constexpr std::size_t kMostCompared = 30;  // tracks of a report that show their tracker's misalignment
 constexpr double kShortAge = 0.2;          // for which that is enough [s]
+constexpr double kMostBias = 6.0;          // of a sensor that still sees the same target [sigma] ...
+constexpr double kTrackSigmas = 3.0;       // ... and as many of the tracks' own
+constexpr int kLeastWitnesses = 2;         // other trackers that agree on where the target is
 
 /// Something to be assigned to a global track: a free local track, or (without key) a global track.
 struct Row {
   std::optional<LocalKey> key;
-  std::size_t entry = 0;  // without key
+  std::size_t entry = 0;  // without key; with one that which the local track had before, if it waits for it
   AngularState state_tracking;
   Time time;
 };
@@ -67,6 +68,15 @@ bool isFarAway(const Row& row, const Eigen::Vector2d& place, const Estimate<4>& 
   return apart.squaredNorm() > reach * reach;
 }
 
+/// Whether they may be one by what is known of them beside their states. A global track without supporters is
+/// not shown: to become one with it would give one that is shown an id that nobody has seen for a while. And
+/// it waits for the local track that it had, which does not take another one's place.
+bool mayBeOne(const Row& row, std::size_t column, const std::vector<GlobalTrackEntry>& entries) {
+  const GlobalTrack& track = entries[column].track;
+  if (!row.key) return !track.supporters().empty() && !entries[row.entry].track.hasAnyTrackerOf(track);
+  return !track.supporters().empty() || row.entry == entries.size() || row.entry == column;
+}
+
 /// Normalised distances squared and ln det of their covariances, so that a vague track near to many does not
 /// take a sharp one's place; forbidden beyond the gate, and between global tracks with a tracker in common.
 /// To stay alone costs as much as the vaguest pair at the gate.
@@ -85,7 +95,7 @@ Costs costsOf(const std::vector<Row>& rows, const std::vector<std::size_t>& colu
       const Row& row = rows[i];
       const Eigen::Vector2d place = track.chart().coordinatesOf(directions[i]);
       if (isFarAway(row, place, estimate, context) || !track.chart().holds(place)) continue;
-      if (!row.key && entries[row.entry].track.hasAnyTrackerOf(track)) continue;
+      if (!mayBeOne(row, columns[static_cast<std::size_t>(column)], entries)) continue;
       const AngularState aligned = track.aligned(row.state_tracking, row.time);
       const double distance_squared =
           distanceSquared({aligned.mean, aligned.covariance}, estimate, context.sigmaOf(row));
@@ -105,12 +115,52 @@ std::optional<Disagreement> disagreementOf(const GlobalTrack& track, const std::
   if (number >= track.supporters().size()) return std::nullopt;
   const Supporter& supporter = track.supporters()[number];
   const bool contradicts = supporter.contradicts_since.has_value();
-  if (!supporter.unusable.empty() && !contradicts) return std::nullopt;
+  if (supporter.unusable && !contradicts) return std::nullopt;
   const std::optional<Estimate<4>> others = track.opinionWithout(tracker);
   if (!others) return std::nullopt;
   const Eigen::Vector2d apart = angleDifference(supporter.state.angles(), others->mean.head<2>());
   const Eigen::Matrix2d S = supporter.state.anglesCovariance() + others->covariance.topLeftCorner<2, 2>();
   return Disagreement{apart.squaredNorm(), 0.5 * S.trace()};
+}
+
+/// Standard deviation of the sightings behind the last tracklet of a local track [rad]; nullopt without any.
+std::optional<double> sightingSigma(const LocalKey& key, const TrackletMemory& memory) {
+  const auto* remembered = memory.find(key);
+  if (remembered == nullptr || remembered->empty()) return std::nullopt;
+  const Tracklet& last = remembered->back().tracklet;
+  return std::sqrt(0.5 * last.sighting.covariance.trace() * std::max(last.sightings, 1.0));
+}
+
+/// Whether a local track is so near to a global one that two other trackers agree on that a biased sensor
+/// would show that target there: two targets that its own tracker does not tell apart.
+bool isExplainedByBias(const GlobalTrack& track, const LocalKey& key, const LocalTrack& local,
+                       const TrackletMemory& memory) {
+  const std::optional<double> sigma = sightingSigma(key, memory);
+  const std::vector<std::size_t> usable = track.usable();
+  const auto others = std::count_if(usable.begin(), usable.end(), [&](std::size_t number) {
+    return track.supporters()[number].key.tracker != key.tracker;
+  });
+  if (!sigma || others < kLeastWitnesses) return false;
+  const std::optional<Estimate<4>> opinion = track.opinionWithout(key.tracker);
+  const Eigen::Vector2d place = track.chart().coordinatesOf(directionOf(local.track.state.angles()));
+  if (!opinion || !track.chart().holds(place)) return false;
+  const AngularState aligned = track.aligned(local.track.state, local.time);
+  const double unsure =
+      std::sqrt(aligned.anglesCovariance().trace() + opinion->covariance.topLeftCorner<2, 2>().trace());
+  const Eigen::Vector2d apart = angleDifference(aligned.angles(), opinion->mean.head<2>());
+  return apart.norm() <= kMostBias * *sigma + kTrackSigmas * unsure;
+}
+
+/// Whether the local track's tracker has seen the target of a global track, and has not seen both in one
+/// scan: they may be one target, which its sensor shows elsewhere.
+bool mayBeBiasedViewOf(const GlobalTrackEntry& entry, const LocalKey& key, const LocalTrack& local) {
+  const std::size_t number = entry.track.numberOf(key.tracker);
+  if (number < entry.track.supporters().size()) {
+    const Supporter& supporter = entry.track.supporters()[number];
+    return supporter.unusable || supporter.track.last_sighting != local.track.last_sighting;
+  }
+  return std::any_of(entry.former.begin(), entry.former.end(),
+                     [&](const auto& former) { return former.first.tracker == key.tracker; });
 }
 
 /// The ids of global tracks without supporters that one of these moves has left for another.
@@ -141,13 +191,17 @@ void TrackAssociation::learnMisalignment(const GlobalTracks& tracks, const std::
   misalignment_.take(reporting, std::move(disagreements));
 }
 
-void TrackAssociation::splitContradicting(GlobalTracks& tracks, const std::string& reporting) const {
+void TrackAssociation::splitContradicting(GlobalTracks& tracks, const TrackletMemory& memory,
+                                          const std::string& reporting) const {
   for (GlobalTrackEntry& entry : tracks.entries()) {
     const std::vector<std::size_t> contradicting =
         entry.track.leaveOutContradictions(misalignment_, thresholds_.contradict, reporting);
     for (auto number = contradicting.rbegin(); number != contradicting.rend(); ++number) {
-      const Time since = *entry.track.supporters()[*number].contradicts_since;
-      if (seconds(tracks.time() - since) >= params_.leave_after) removeSupporter(entry, *number);
+      const Supporter& supporter = entry.track.supporters()[*number];
+      const bool lasts = seconds(tracks.time() - *supporter.contradicts_since) >= params_.leave_after;
+      if (lasts &&
+          !isExplainedByBias(entry.track, supporter.key, {supporter.track, supporter.reported, {}}, memory))
+        removeSupporter(entry, *number);
     }
   }
 }
@@ -240,10 +294,10 @@ void TrackAssociation::wait(const std::vector<SupporterMove>& moves, const Globa
 }
 
 void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& reports,
-                                 const std::string& tracker, bool merge) const {
+                                 const TrackletMemory& memory, const std::string& tracker, bool merge) {
   std::vector<Row> rows;
   for (const auto& [key, local] : freeTracksOf(tracks, reports, tracker))
-    rows.push_back({key, 0, local.track.state, local.time});
+    rows.push_back({key, tracks.formerOf(key, local), local.track.state, local.time});
   if (rows.empty() && !merge) return;
   const CostContext context{tracks, misalignment_, thresholds_.join};
   const std::vector<GlobalTrackEntry>& entries = tracks.entries();
@@ -256,7 +310,7 @@ void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& repor
     if (!merge) break;
     const GlobalTrack& track = entries[i].track;
     const bool has_neighbour = std::any_of(columns.begin(), columns.end(), [&](std::size_t column) {
-      return areNear(track, entries[column].track, context);
+      return !entries[column].track.supporters().empty() && areNear(track, entries[column].track, context);
     });
     if (!has_neighbour) continue;
     const Estimate<4> estimate = track.opinion();
@@ -267,10 +321,11 @@ void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& repor
   const Costs costs = costsOf(rows, columns, context);
   const std::vector<int> found = assign(costs.pairs, costs.alone);
   std::vector<std::pair<std::size_t, std::size_t>> same;
+  std::vector<LocalKey> alone;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const std::optional<LocalKey>& key = rows[row].key;
     if (found[row] < 0) {
-      if (key) tracks.start(*key, *reports.find(*key));
+      if (key) alone.push_back(*key);
       continue;
     }
     const std::size_t entry = columns[static_cast<std::size_t>(found[row])];
@@ -282,6 +337,24 @@ void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& repor
     }
   }
   tracks.merge(same, misalignment_);
+  for (const LocalKey& key : alone) start(key, tracks, reports, memory);
+}
+
+void TrackAssociation::start(const LocalKey& key, GlobalTracks& tracks, const LocalReports& reports,
+                             const TrackletMemory& memory) {
+  const LocalTrack& local = *reports.find(key);
+  for (GlobalTrackEntry& entry : tracks.entries()) {
+    if (!mayBeBiasedViewOf(entry, key, local) || !isExplainedByBias(entry.track, key, local, memory))
+      continue;
+    if (entry.track.hasTracker(key.tracker)) {
+      waiting_[key] = entry.track.id();
+    } else {
+      entry.track.join(key, local);
+      entry.track.leaveOutContradictions(misalignment_, thresholds_.contradict, key.tracker);
+    }
+    return;
+  }
+  tracks.start(key, local);
 }
 
 /// Usable tracks of the tracker that support no global one and do not wait for a place.
@@ -292,7 +365,7 @@ TrackAssociation::FreeTracks TrackAssociation::freeTracksOf(const GlobalTracks& 
   const std::vector<std::uint32_t> supporters = tracks.supportersOf(tracker);
   for (const auto& [id, local] : reports.trackers().at(tracker).tracks) {
     if (std::binary_search(supporters.begin(), supporters.end(), id)) continue;
-    if (!reports.whyUnusable(tracker, local).empty() || waiting_.count({tracker, id}) > 0) continue;
+    if (reports.whyUnusable(tracker, local) || waiting_.count({tracker, id}) > 0) continue;
     free.emplace_back(LocalKey{tracker, id}, local);
   }
   return free;

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -18,6 +19,8 @@ bool isSound(const AngularState& state) {
   return state.mean.allFinite() && state.covariance.allFinite() &&
          Eigen::LLT<Eigen::Matrix4d>(state.covariance).info() == Eigen::Success;
 }
+
+const Refusal kUndetermined{"undetermined", "the rule has no solution for these covariances"};
 
 std::vector<const Supporter*> supportersOf(const GlobalTrack& track,
                                            const std::vector<std::size_t>& numbers) {
@@ -42,8 +45,8 @@ std::optional<std::vector<double>> sharesOf(const std::vector<const Supporter*>&
 std::optional<CombinedState> fromTracklets(GlobalTrackEntry& entry, const TrackletMemory& memory,
                                            const TrackFusionParams& params,
                                            const DistanceThresholds& thresholds) {
-  std::string& why_not = entry.report.why_not_tracklets;
-  why_not.clear();
+  std::optional<Refusal>& why_not = entry.report.why_not_tracklets;
+  why_not.reset();
   if (!usesTracklets(params)) return std::nullopt;
   CombinedState combined{
       FusionRule::tracklets, chooseContributors(entry.track, params.coasting_age, true), {}, {}};
@@ -53,17 +56,19 @@ std::optional<CombinedState> fromTracklets(GlobalTrackEntry& entry, const Trackl
 
   const std::vector<const Supporter*> supporters = supportersOf(entry.track, used);
   why_not = whyIncomplete(supporters, memory, params.tracklets);
-  if (!why_not.empty() && params.rule == FusionRule::best) return std::nullopt;
+  if (why_not && params.rule == FusionRule::best) return std::nullopt;
   const auto state = entry.tracklets.stateAt(entry.track.time());
   if (!state || !isSound(*state)) {
-    why_not = state ? "tracklets give no usable covariance" : "no tracklets yet";
+    why_not = state ? Refusal{"undetermined", "tracklets give no usable covariance"}
+                    : Refusal{"no tracklets", "no tracklets yet"};
     return std::nullopt;
   }
   combined.state = entry.track.chart().fromTracking(*state);
   const double distance_squared = distanceSquared({combined.state.mean, combined.state.covariance},
                                                   entry.track.opinion(), params.registration_sigma);
   if (!(distance_squared <= thresholds.contradict)) {
-    why_not = "tracklets contradict the tracks: distance squared " + std::to_string(distance_squared);
+    why_not = Refusal{"contradiction", "tracklets contradict the tracks: distance squared " +
+                                           std::to_string(distance_squared)};
     return std::nullopt;
   }
   const auto shares_of_used = sharesOf(supporters, shares);
@@ -102,6 +107,11 @@ std::optional<FusedEstimate<4>> applyRule(FusionRule rule, const GlobalTrack& tr
   }
 }
 
+std::optional<FusedEstimate<4>> soundOf(std::optional<FusedEstimate<4>> fused) {
+  if (fused && !isSound({fused->mean, fused->covariance})) fused.reset();
+  return fused;
+}
+
 /// The state by the supporters' states.
 CombinedState fromStates(const GlobalTrack& track, const TrackFusionParams& params) {
   const FusionRule rule = ruleForStates(track, params.rule);
@@ -112,42 +122,47 @@ CombinedState fromStates(const GlobalTrack& track, const TrackFusionParams& para
       {},
       {}};
   std::vector<std::size_t>& used = combined.contributors.used;
-  std::optional<FusedEstimate<4>> fused = applyRule(rule, track, used, params.intersection_weights);
+  std::optional<FusedEstimate<4>> fused = soundOf(applyRule(rule, track, used, params.intersection_weights));
   if (!fused && used.size() > 1) {
     // Not reachable with covariances that passed the checks, but an operator should read it if it is.
     for (std::size_t i = 1; i < used.size(); ++i) {
-      combined.contributors.left_out.emplace_back(
-          used[i], "undetermined: the rule has no solution for these covariances");
+      combined.contributors.left_out.emplace_back(used[i], kUndetermined);
     }
     used.resize(1);
-    fused = applyRule(rule, track, used, params.intersection_weights);
+    fused = soundOf(applyRule(rule, track, used, params.intersection_weights));
   }
   if (fused) {
     combined.state = {fused->mean, fused->covariance};
     combined.shares = positionShares(fused->gains);
+  } else {
+    for (const std::size_t number : used) combined.contributors.left_out.emplace_back(number, kUndetermined);
+    used.clear();
   }
   return combined;
 }
 
 }  // namespace
 
-std::size_t feedTracklets(GlobalTrackEntry& entry, const TrackletMemory& memory,
-                          const TrackFusionParams& params) {
+TrackletLosses feedTracklets(GlobalTrackEntry& entry, const TrackletMemory& memory,
+                             const TrackFusionParams& params) {
   const std::size_t late_before = entry.tracklets.late();
+  const std::size_t failed_before = entry.tracklets.failures().count;
   for (const Supporter& supporter : entry.track.supporters()) {
-    const bool contradicts = !supporter.unusable.empty() && supporter.contradicts_since;
+    const bool contradicts = supporter.unusable && supporter.contradicts_since;
     if (contradicts && !entry.tracklets.canTellWhoIsWrong()) {
       entry.tracklets.takeBack(supporter.key, *supporter.contradicts_since);
     } else {
       entry.tracklets.feed(supporter, memory);
     }
   }
-  const std::size_t late = entry.tracklets.late() - late_before;
-  if (!usesTracklets(params)) return late;
-  entry.tracklets.stateAt(entry.track.time());
+  TrackletLosses losses{entry.tracklets.late() - late_before, {}};
+  if (!usesTracklets(params)) return losses;
+  entry.tracklets.advanceTo(entry.track.time());
   entry.report.sensors = entry.tracklets.sensors();
   entry.report.sensor_changes = entry.tracklets.newChanges();
-  return late;
+  losses.failed = entry.tracklets.failures();
+  losses.failed.count -= failed_before;
+  return losses;
 }
 
 CombinedState combine(GlobalTrackEntry& entry, const TrackletMemory& memory, const TrackFusionParams& params,
@@ -156,9 +171,9 @@ CombinedState combine(GlobalTrackEntry& entry, const TrackletMemory& memory, con
   return fromStates(entry.track, params);
 }
 
-std::size_t fuse(GlobalTrackEntry& entry, const std::string& reporting, const TrackletMemory& memory,
-                 const TrackFusionParams& params, const DistanceThresholds& thresholds) {
-  const std::size_t late = feedTracklets(entry, memory, params);
+TrackletLosses fuse(GlobalTrackEntry& entry, const std::string& reporting, const TrackletMemory& memory,
+                    const TrackFusionParams& params, const DistanceThresholds& thresholds) {
+  TrackletLosses losses = feedTracklets(entry, memory, params);
   leaveOutBiased(entry);
   const CombinedState combined = combine(entry, memory, params, thresholds);
   entry.report.rule = combined.rule;
@@ -169,7 +184,7 @@ std::size_t fuse(GlobalTrackEntry& entry, const std::string& reporting, const Tr
     entry.track.setFused(combined.contributors.used, combined.state);
     describeFusion(entry.track, combined.contributors.used, combined.shares, reporting, entry.report);
   }
-  return late;
+  return losses;
 }
 
 }  // namespace sightline::core

@@ -8,6 +8,7 @@ namespace sightline::core {
 namespace {
 
 constexpr std::size_t kLeastTargets = 3;
+constexpr std::size_t kMostTrackers = 256;
 constexpr double kMemory = 0.05;      // share of a report
 constexpr double kMedian = 1.386294;  // of chi^2 with two degrees of freedom
 constexpr double kLeastShare = 0.1;   // of the covariances' variance, below which there is nothing to tell
@@ -29,6 +30,10 @@ void TrackerMisalignment::take(const std::string& tracker, std::vector<Disagreem
   }
   const double seen = signedMedian(distances) / kMedian, explained = signedMedian(variances);
   const double excess = std::max(seen - (1.0 + kLeastShare) * explained, 0.0);
+  if (variances_.size() >= kMostTrackers && variances_.count(tracker) == 0) {  // forgets who is off least
+    variances_.erase(std::min_element(variances_.begin(), variances_.end(),
+                                      [](const auto& a, const auto& b) { return a.second < b.second; }));
+  }
   double& variance = variances_[tracker];
   variance += kMemory * (excess - variance);
 }

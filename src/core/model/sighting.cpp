@@ -2,8 +2,7 @@
 
 #include <cmath>
 #include <sstream>
-
-#include <Eigen/Eigenvalues>
+#include <string>
 
 #include "sightline/core/model/angle_range.h"
 #include "sightline/core/model/sphere.h"
@@ -53,48 +52,49 @@ Sighting rotate(const Sighting& sighting, const Eigen::Matrix3d& R_to_from) {
   return turned;
 }
 
-std::optional<std::string> rejectionOf(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
+std::optional<Refusal> rejectionOf(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
   std::ostringstream why;
   if (!angles.allFinite()) {
     why << "direction (" << angles.x() << ", " << angles.y()
         << ") rad is not finite: leave such sightings out";
-    return why.str();
+    return invalid(why.str());
   }
   if (!isAzimuth(angles.x()) || !isElevation(angles.y())) {
     why << "direction (" << angles.x() << ", " << angles.y()
         << ") rad is off the sphere: azimuth within +-2 pi, elevation within +-pi/2; are these degrees?";
-    return why.str();
+    return invalid(why.str());
   }
   if (!covariance.allFinite()) {
     why << "covariance is not finite: give the variances in rad^2";
-    return why.str();
+    return invalid(why.str());
   }
   const double scale = std::sqrt(std::abs(covariance(0, 0) * covariance(1, 1)));
   if (std::abs(covariance(0, 1) - covariance(1, 0)) > kAsymmetry * scale) {
     why << "covariance is not symmetric (" << covariance(0, 1) << " and " << covariance(1, 0) << " rad^2)";
-    return why.str();
+    return invalid(why.str());
   }
   if (covariance(0, 0) <= 0.0 || covariance.determinant() <= 0.0) {
     why << "covariance is not positive definite (variances " << covariance(0, 0) << ", " << covariance(1, 1)
         << " rad^2): the sensor's driver must state its sigma";
-    return why.str();
+    return invalid(why.str());
   }
   // Judged on the sphere, where azimuth shrinks with the cosine of the elevation.
   Eigen::Matrix2d on_sphere = covariance;
   const double arc = std::max(arcOfAzimuth(withinPoles(angles.y()), covariance), kSmallestSigma);
   on_sphere.row(0) *= arc;
   on_sphere.col(0) *= arc;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
-  const Eigen::Vector2d variances = eigen.computeDirect(on_sphere, Eigen::EigenvaluesOnly).eigenvalues();
-  if (!(variances(0) >= kSmallestSigma * kSmallestSigma)) {
-    why << "sigma " << std::sqrt(std::max(variances(0), 0.0)) << " rad is below " << kSmallestSigma
+  const double half = 0.5 * on_sphere.trace();
+  const double largest = half + std::hypot(0.5 * (on_sphere(0, 0) - on_sphere(1, 1)), on_sphere(0, 1));
+  const double smallest = on_sphere.determinant() / largest;  // a difference of eigenvalues would cancel
+  if (!(smallest >= kSmallestSigma * kSmallestSigma)) {
+    why << "sigma " << std::sqrt(std::max(smallest, 0.0)) << " rad is below " << kSmallestSigma
         << " rad: no sensor is that good; state the sigma in radians";
-    return why.str();
+    return invalid(why.str());
   }
-  if (!(variances(1) <= kLargestSigma * kLargestSigma)) {
-    why << "sigma " << std::sqrt(variances(1))
+  if (!(largest <= kLargestSigma * kLargestSigma)) {
+    why << "sigma " << std::sqrt(largest)
         << " rad is above pi/2: the sighting says nothing; are these degrees?";
-    return why.str();
+    return invalid(why.str());
   }
   return std::nullopt;
 }

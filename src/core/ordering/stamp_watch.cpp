@@ -12,6 +12,7 @@ namespace {
 constexpr double kLeastJump = 0.25;       // that is no jitter [s]
 constexpr double kIntervals = 3.0;        // of a sensor's usual ones that make a silence, or a leap
 constexpr double kIntervalMemory = 0.95;  // of the usual largest interval, at each scan
+constexpr std::size_t kMostSensors = 256;  // that are watched; of more, the longest silent are forgotten
 
 std::string secondsText(double seconds) {
   std::ostringstream text;
@@ -42,6 +43,7 @@ StampWatch::StampWatch(const StampWatchParams& params) : params_(params) {
 StampJudgement StampWatch::take(std::uint64_t scan, const std::string& sensor, Time stamp,
                                 std::optional<Time> clock) {
   StampJudgement result;
+  if (sensors_.size() >= kMostSensors && sensors_.count(sensor) == 0) forgetLongestSilent();
   const bool agrees_with_clock = clock && std::abs(seconds(*clock - stamp)) <= params_.agreement;
   const auto [entry, is_new] = sensors_.try_emplace(sensor);
   if (!front_) front_ = stamp;
@@ -49,12 +51,13 @@ StampJudgement StampWatch::take(std::uint64_t scan, const std::string& sensor, T
   const bool is_jump = isJump(entry->second, stamp, is_new);
   const bool was_ahead = entry->second.place == Place::held || entry->second.place == Place::ahead;
   const double leeway = was_ahead ? params_.max_lag / 2.0 : params_.max_lag;
-  const bool stepped_back =
-      is_new || entry->second.behind > 0 || seconds(entry->second.newest - stamp) > params_.max_lag;
+  const bool steps_back = seconds(entry->second.newest - stamp) > params_.max_lag;
+  const bool stepped_back = is_new || entry->second.behind > 0 || steps_back;
   noteStamp(entry->second, stamp, is_new);
   entry->second.offset = ahead;
 
   if (ahead < -params_.max_lag) {
+    if (steps_back) entry->second.behind = 0;
     if (entry->second.behind == 0) entry->second.front_then = *front_;
     entry->second.behind = stepped_back ? entry->second.behind + 1 : 0;
     takeBehind(scan, sensor, stamp, result);
@@ -73,11 +76,13 @@ StampJudgement StampWatch::finish() {
   return result;
 }
 
-/// Brings the sensor's own time on; a leap or a pause of its stamps does not count.
+/// Brings the sensor's own time on. A leap or a pause of its stamps does not count, nor does what comes soon
+/// after they went back: stamps that go to and fro would make time fly, and the others silent.
 void StampWatch::noteStamp(Sensor& sensor, Time stamp, bool is_new) {
   const double step = seconds(stamp - sensor.newest);
   const bool steps_back = step < -params_.max_lag;
-  if (is_new || steps_back || step > aliveFor(sensor)) {
+  sensor.steady = is_new ? params_.scans_back : steps_back ? 0 : sensor.steady + 1;
+  if (is_new || sensor.steady <= params_.scans_back || step > aliveFor(sensor)) {
     sensor.way = elapsed_;
   } else if (step > 0.0) {
     sensor.way += stamp - sensor.newest;
@@ -89,6 +94,17 @@ void StampWatch::noteStamp(Sensor& sensor, Time stamp, bool is_new) {
   if (is_new || steps_back || step > 0.0) sensor.newest = stamp;
   elapsed_ = std::max(elapsed_, sensor.way);
   sensor.last_received = elapsed_;
+}
+
+/// Of those of which no scan is held.
+void StampWatch::forgetLongestSilent() {
+  auto longest = sensors_.end();
+  for (auto it = sensors_.begin(); it != sensors_.end(); ++it) {
+    const bool is_earlier =
+        longest == sensors_.end() || it->second.last_received < longest->second.last_received;
+    if (it->second.place != Place::held && is_earlier) longest = it;
+  }
+  if (longest != sensors_.end()) sensors_.erase(longest);
 }
 
 bool StampWatch::isJump(const Sensor& sensor, Time stamp, bool is_new) const {

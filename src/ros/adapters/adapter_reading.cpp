@@ -178,7 +178,7 @@ void Reading::addAngles(const Eigen::Vector2d& angles, const std::optional<Eigen
                         double snr) {
   const Eigen::Matrix2d any = Eigen::Matrix2d::Identity() * 1e-6;
   if (const auto why = core::rejectionOf(angles, any)) {
-    refuse("angle out of range", *why + " (then set unit: deg for this field)");
+    refuse("angle out of range", why->detail + " (then set unit: deg for this field)");
     return;
   }
   const Eigen::Vector2d on_sphere(angles.x(), core::withinPoles(angles.y()));
@@ -282,7 +282,7 @@ AdaptedScan adapt(const Reading& reading, const AdapterTopic& topic, const ros::
     const core::Sighting seen =
         topic.is_optical ? core::rotate(sighting, core::R_boresight_optical()) : sighting;
     if (const auto why = core::rejectionOf(core::anglesOf(seen.direction), core::anglesCovariance(seen))) {
-      out.refusals.push_back({"sighting unusable", of_topic + *why});
+      out.refusals.push_back({"sighting unusable", of_topic + why->detail});
     } else {
       scan.sightings.push_back(seen);
     }

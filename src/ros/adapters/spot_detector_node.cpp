@@ -176,7 +176,7 @@ void SpotDetectorNode::publish(const std::vector<core::Spot>& spots, const senso
     core::Sighting seen = core::rotate(*optical, core::R_boresight_optical());
     seen.snr = spot.snr;
     if (const auto why = core::rejectionOf(core::anglesOf(seen.direction), core::anglesCovariance(seen))) {
-      refuse("sighting unusable", *why);
+      refuse("sighting unusable", why->detail);
     } else {
       scan.sightings.push_back(seen);
     }

@@ -14,6 +14,8 @@ namespace core = sightline::core;
 
 namespace {
 
+constexpr std::size_t kMostFailuresInARow = 20;  // before all tracks are given up
+
 std::string nameFrom(const ParamReader& reader, const std::string& fallback) {
   const std::string name = reader.text("tracker_name", "");
   return name.empty() ? fallback : name;
@@ -68,9 +70,10 @@ LocalTrackerComponent::LocalTrackerComponent(const core::LocalTrackerParams& tra
       max_lag_(tracker.max_lag),
       frames_(frames, transforms),
       stamps_(stampWatchParams(tracker.max_lag)),
-      tracker_(tracker) {
-  if (tracklets.enabled) tracklets_.emplace(tracklets);
-}
+      tracking_(
+          Tracking{core::LocalTracker(tracker),
+                   tracklets.enabled ? std::make_optional<core::TrackletBuilder>(tracklets) : std::nullopt},
+          handle, sizeOf) {}
 
 std::vector<TrackerReport> LocalTrackerComponent::onScan(const sightline::SightingArray::ConstPtr& scan,
                                                          core::Time now) {
@@ -95,7 +98,7 @@ void LocalTrackerComponent::admit(FramedScan framed, core::Time now, std::vector
   const std::string sensor = framed.scan.sensor;
   const auto clock = now == core::Time{} ? std::nullopt : std::make_optional(now);
   auto admitted = stamps_.take(sensor, stamp, std::move(framed), clock);
-  if (admitted.went_back) tracker_.startAnew(stamp);
+  if (admitted.went_back) startTrackerAnew(stamp);
   std::string notice;
   for (const std::string& words : admitted.notices) notice += (notice.empty() ? "" : "; ") + words;
   for (auto& passed : admitted.passed) {
@@ -108,21 +111,58 @@ void LocalTrackerComponent::admit(FramedScan framed, core::Time now, std::vector
 
 void LocalTrackerComponent::startAnew(core::Time time) {
   stamps_ = core::StampGate<FramedScan>(stampWatchParams(max_lag_));
-  tracker_.startAnew(time);
+  startTrackerAnew(time);
+}
+
+void LocalTrackerComponent::startTrackerAnew(core::Time time) {
+  tracking_.change([time](Tracking& tracking) { tracking.tracker.startAnew(time); });
 }
 
 sightline::TrackletArray::Ptr LocalTrackerComponent::overdueTracklets(core::Time now) {
-  return tracklets_ ? trackletArray(tracklets_->onTime(now)) : nullptr;
+  if (!tracking_.state().tracklets) return nullptr;
+  core::TrackletBuilder tracklets = *tracking_.state().tracklets;  // as a question changes nothing
+  if (!tracklets.onTime(now)) return nullptr;
+  auto answer = tracking_.take(now);
+  return answer ? trackletArray(std::move(answer->tracklets)) : nullptr;
+}
+
+LocalTrackerComponent::Answer LocalTrackerComponent::handle(Tracking& tracking, const Input& input) {
+  if (const auto* now = std::get_if<core::Time>(&input)) return {{}, tracking.tracklets->onTime(*now)};
+  const core::Scan& scan = std::get<core::Scan>(input);
+  Answer answer{tracking.tracker.onScan(scan), std::nullopt};
+  if (tracking.tracklets) answer.tracklets = tracking.tracklets->onScan(scan, answer.report);
+  return answer;
+}
+
+std::size_t LocalTrackerComponent::sizeOf(const Input& input) {
+  const auto* scan = std::get_if<core::Scan>(&input);
+  return scan != nullptr ? scan->sightings.size() : 0;
 }
 
 TrackerReport LocalTrackerComponent::track(FramedScan& framed) {
   TrackerReport report;
-  core::ScanReport tracked = tracker_.onScan(framed.scan);
+  auto answer = tracking_.take(std::move(framed.scan));
+  if (!answer) {
+    const core::Refusal refusal = failed(*framed.message);
+    return refuse(framed, refusal, core::textOf(refusal));
+  }
+  core::ScanReport& tracked = answer->report;
   report.refusal = tracked.refusal;
   report.changes = std::move(tracked.changes);
   if (!tracked.refusal) report.tracks = trackArray(tracked);
-  if (tracklets_) report.tracklets = trackletArray(tracklets_->onScan(framed.scan, tracked));
+  report.tracklets = trackletArray(std::move(answer->tracklets));
   return withAssociations(std::move(report), framed, std::move(tracked.associations));
+}
+
+/// The last scan failed. What fails at every scan for long will not mend itself.
+core::Refusal LocalTrackerComponent::failed(const sightline::SightingArray& scan) {
+  std::string detail = "the tracker could not take a scan of \"" + scan.sensor + "\" (" +
+                       tracking_.failure() + ") and goes on from before it; please report this";
+  if (tracking_.failuresInARow() % kMostFailuresInARow == 0) {
+    detail += "; all tracks are given up after " + std::to_string(kMostFailuresInARow) + " failures in a row";
+    startTrackerAnew(toCore(scan.header.stamp));
+  }
+  return {"failed", detail};
 }
 
 /// A scan that did not come to the tracker. `reason`: published for each of its sightings.

@@ -22,6 +22,8 @@ constexpr double kSecondsOfExamination = 10.0;
 constexpr double kDefaultSilence = 2.0;      // [s]
 constexpr double kRough = 4.0;               // variance over the stated one that deserves a warning ...
 constexpr double kSettledSightings = 100.0;  // ... when it rests on so many sightings
+constexpr std::size_t kMostSensors = 256;    // that are told apart
+const char* const kFurtherSensors = "(further sensors)";
 const char* const kRejectedSightings = "sightings rejected";
 
 std::string kindOfComplaint(const TrackerReport& report) {
@@ -43,9 +45,15 @@ double LocalTrackerHealth::silenceFrom(const ParamReader& reader) {
   return reader.number("silence", kDefaultSilence, above(0.0), "s");
 }
 
+/// Of more sensors than are told apart the others are one.
+LocalTrackerHealth::Sensor& LocalTrackerHealth::sensorOf(const std::string& name) {
+  const bool is_known = sensors_.size() < kMostSensors || sensors_.count(name) > 0;
+  return sensors_[is_known ? name : kFurtherSensors];
+}
+
 void LocalTrackerHealth::noteArrival(const sightline::SightingArray& scan, core::Time now) {
   if (scan.sensor.empty()) return;
-  Sensor& sensor = sensors_[scan.sensor];
+  Sensor& sensor = sensorOf(scan.sensor);
   sensor.record.take(scan, now);
   if (now == core::Time{} || scan.header.stamp.isZero()) return;
   sensor.latency.add(core::seconds(now - toCore(scan.header.stamp)));
@@ -66,7 +74,7 @@ void LocalTrackerHealth::note(const TrackerReport& report) {
   const bool was_used = !report.refusal;
   if (!was_used) {
     ++drops_[kindOfComplaint(report)].count;
-    Sensor& sensor = sensors_[report.scan->sensor];
+    Sensor& sensor = sensorOf(report.scan->sensor);
     ++sensor.drops[report.refusal->kind];
     sensor.last_drops[report.refusal->kind] =
         "in frame \"" + report.scan->header.frame_id + "\": " + report.refusal->detail;
@@ -79,7 +87,7 @@ void LocalTrackerHealth::note(const TrackerReport& report) {
   starts_.take(*report.associations);
   starts_.take(*report.tracks);
 
-  Sensor& sensor = sensors_[report.scan->sensor];
+  Sensor& sensor = sensorOf(report.scan->sensor);
   const core::Time stamp = toCore(report.scan->header.stamp);
   const std::size_t taken = report.scan->sightings.size() - report.rejected;
   ++sensor.scans;

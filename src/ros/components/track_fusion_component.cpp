@@ -4,6 +4,7 @@
 #include <boost/make_shared.hpp>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 #include "sightline/report/sensor_text.h"
 #include "sightline/ros/messages/conversions.h"
@@ -18,7 +19,8 @@ using sightline::report::textOf;
 
 namespace {
 
-constexpr double kDefaultMaxFuture = 0.1;  // [s]
+constexpr double kDefaultMaxFuture = 0.1;        // [s]
+constexpr std::size_t kMostFailuresInARow = 20;  // before all tracks are given up
 const char* const kDefaultTrackingFrame = "platform_enu";
 
 std::string nameFrom(const ParamReader& reader, const std::string& fallback) {
@@ -33,7 +35,7 @@ sightline::SourceTrack toMessage(const core::SourceTrack& row) {
   message.weight = row.weight;
   message.distance_squared = row.distance_squared;
   message.age = row.age;
-  message.reason = row.reason;
+  if (row.reason) message.reason = core::textOf(*row.reason);
   return message;
 }
 
@@ -107,70 +109,113 @@ TrackFusionComponent::TrackFusionComponent(const ParamReader& reader, const std:
       tracking_frame_(reader.text("tracking_frame", kDefaultTrackingFrame)),
       max_future_(reader.number("max_future", kDefaultMaxFuture, atLeast(0.0), "s")),
       params_(loadTrackFusionParams(reader)),
-      fusion_(params_) {
+      fusion_(core::TrackFusion(params_), handle, sizeOf),
+      latest_(std::make_shared<core::FusionReport>()) {
   if (tracking_frame_.empty()) throw reader.error("tracking_frame", "expected the name of a frame, got \"\"");
 }
 
 FusionResult TrackFusionComponent::onTracks(const sightline::TrackArray& local, const std::string& topic,
                                             core::Time now) {
-  const std::string refusal = refusalOf(local.tracker, local.header, topic, origins_, now);
-  if (!refusal.empty()) return refused(local, refusal);
+  if (const auto refusal = refusalOf(local.tracker, local.header, topic, origins_, now))
+    return refused(local, *refusal);
+  const auto arrival = now == core::Time{} ? std::nullopt : std::make_optional(now);
+  auto answer = fusion_.take(Arrival{toCore(local), arrival});
+  if (!answer) return refused(local, failed(local.tracker));
 
-  const core::LocalReport report = toCore(local);
-  core::FusionReport fused = fusion_.onReport(report);
   FusionResult result;
-  result.refusal = fused.refusal;
-  result.report = fusionReport(fused);
-  if (!fused.refusal.empty()) return result;
+  result.fused = std::make_shared<core::FusionReport>(std::move(std::get<core::FusionReport>(*answer)));
+  result.refusal = result.fused->refusal;
+  result.report = fusionReport(*result.fused);
+  if (result.refusal) return result;
   note(local.tracker, local.header, topic, origins_);
-  result.tracks = trackArray(fused);
-  latest_ = std::move(fused);
+  result.tracks = trackArray(*result.fused);
+  latest_ = result.fused;
   return result;
 }
 
-std::string TrackFusionComponent::onTracklets(const sightline::TrackletArray& local, const std::string& topic,
-                                              core::Time now) {
-  std::string refusal = refusalOf(local.tracker, local.header, topic, tracklet_origins_, now);
-  if (!refusal.empty()) return refusal;
-  const ReadTracklets read = readTracklets(local);
-  refusal = fusion_.onTracklets(read.report);
-  if (!refusal.empty()) return refusal;
+std::optional<core::Refusal> TrackFusionComponent::onTracklets(const sightline::TrackletArray& local,
+                                                               const std::string& topic, core::Time now) {
+  if (auto refusal = refusalOf(local.tracker, local.header, topic, tracklet_origins_, now)) return refusal;
+  ReadTracklets read = readTracklets(local);
+  const auto answer = fusion_.take(std::move(read.report));
+  if (!answer) return failed(local.tracker);
+  if (const auto& refusal = std::get<std::optional<core::Refusal>>(*answer)) return refusal;
   note(local.tracker, local.header, topic, tracklet_origins_);
-  return read.refusal ? core::textOf(*read.refusal) : "";
+  return read.refusal;
+}
+
+TrackFusionComponent::Answer TrackFusionComponent::handle(core::TrackFusion& fusion, const Input& input) {
+  if (const auto* tracks = std::get_if<Arrival>(&input)) return fusion.onReport(tracks->report, tracks->time);
+  return fusion.onTracklets(std::get<core::TrackletReport>(input));
+}
+
+std::size_t TrackFusionComponent::sizeOf(const Input& input) {
+  if (const auto* tracks = std::get_if<Arrival>(&input)) return tracks->report.tracks.size();
+  return std::get<core::TrackletReport>(input).tracklets.size();
+}
+
+/// The last message failed, of that tracker. What fails at every message for long will not mend itself.
+core::Refusal TrackFusionComponent::failed(const std::string& tracker) {
+  std::string detail = "the fusion could not take what came from \"" + tracker + "\" (" + fusion_.failure() +
+                       ") and goes on from before it; please report this";
+  if (fusion_.failuresInARow() % kMostFailuresInARow == 0) {
+    detail += "; all tracks are given up after " + std::to_string(kMostFailuresInARow) + " failures in a row";
+    reset();
+  }
+  return {"failed", detail};
 }
 
 bool TrackFusionComponent::wantsTracklets() const {
   return params_.rule == core::FusionRule::best || params_.rule == core::FusionRule::tracklets;
 }
 
-void TrackFusionComponent::reset() {
-  fusion_.reset();
-  origins_.clear();
-  tracklet_origins_.clear();
-  latest_ = {};
+std::optional<double> TrackFusionComponent::onSimulatedTime(core::Time now) {
+  const double back = core::seconds(latest_now_ - now);
+  if (back <= maxLag()) {
+    latest_now_ = std::max(latest_now_, now);
+    return std::nullopt;
+  }
+  reset();
+  latest_now_ = now;
+  return back;
 }
 
-std::string TrackFusionComponent::refusalOf(const std::string& tracker, const std_msgs::Header& header,
-                                            const std::string& topic, const Origins& origins,
-                                            core::Time now) const {
+void TrackFusionComponent::reset() {
+  fusion_.change([](core::TrackFusion& fusion) { fusion.reset(); });
+  origins_.clear();
+  tracklet_origins_.clear();
+  latest_ = std::make_shared<core::FusionReport>();
+}
+
+std::optional<core::Refusal> TrackFusionComponent::refusalOf(const std::string& tracker,
+                                                             const std_msgs::Header& header,
+                                                             const std::string& topic, const Origins& origins,
+                                                             core::Time now) const {
   std::ostringstream why;
   const core::Time stamp = sightline_ros::toCore(header.stamp);
   const double ahead = core::seconds(stamp - now);
   if (tracker == name_) {
-    why << "feedback: \"" << name_ << "\" is this fusion itself; it must not be fed with its own";
-  } else if (header.frame_id != tracking_frame_) {
-    why << "frame: what comes from \"" << tracker << "\" are in \"" << header.frame_id << "\", not in \""
-        << tracking_frame_ << "\" (tracking_frame); directions from another origin cannot be fused";
-  } else if (now != core::Time{} && ahead > max_future_) {
-    why << "future: the stamp of \"" << tracker << "\" is " << ahead << " s ahead of the clock (max_future "
-        << max_future_ << " s); are the computers' clocks synchronised?";
-  } else if (const auto origin = origins.find(tracker);
-             origin != origins.end() && origin->second.topic != topic &&
-             core::seconds(stamp - origin->second.newest) <= params_.reports.max_age) {
-    why << "name: \"" << tracker << "\" on " << topic << " reports on " << origin->second.topic
-        << " already; give each tracker a tracker_name of its own";
+    why << "\"" << name_ << "\" is this fusion itself; it must not be fed with its own";
+    return core::Refusal{"feedback", why.str()};
   }
-  return why.str();
+  if (header.frame_id != tracking_frame_) {
+    why << "what comes from \"" << tracker << "\" are in \"" << header.frame_id << "\", not in \""
+        << tracking_frame_ << "\" (tracking_frame); directions from another origin cannot be fused";
+    return core::Refusal{"frame", why.str()};
+  }
+  if (now != core::Time{} && ahead > max_future_) {
+    why << "the stamp of \"" << tracker << "\" is " << ahead << " s ahead of the clock (max_future "
+        << max_future_ << " s); are the computers' clocks synchronised?";
+    return core::Refusal{"future", why.str()};
+  }
+  const auto origin = origins.find(tracker);
+  if (origin != origins.end() && origin->second.topic != topic &&
+      core::seconds(stamp - origin->second.newest) <= params_.reports.max_age) {
+    why << "\"" << tracker << "\" on " << topic << " reports on " << origin->second.topic
+        << " already; give each tracker a tracker_name of its own";
+    return core::Refusal{"name", why.str()};
+  }
+  return std::nullopt;
 }
 
 /// Remembers where a tracker reports.
@@ -181,19 +226,15 @@ void TrackFusionComponent::note(const std::string& tracker, const std_msgs::Head
     origins.erase(origins.begin()->first == tracker ? std::next(origins.begin()) : origins.begin());
 }
 
-FusionResult TrackFusionComponent::refused(const sightline::TrackArray& local, const std::string& why) const {
-  core::FusionReport report = latest_;
-  for (core::FusedTrack& track : report.tracks) track.sensor_changes.clear();  // told already
-  for (const sightline::Track& track : local.tracks) {
-    if (report.left_out.size() >= static_cast<std::size_t>(params_.reports.max_tracks)) break;
-    core::SourceTrack row;
-    row.tracker = local.tracker;
-    row.id = track.id;
-    row.age = core::seconds(latest_.time - sightline_ros::toCore(local.header.stamp));
-    row.reason = why;
-    report.left_out.push_back(row);
-  }
-  return {nullptr, fusionReport(report), why};
+FusionResult TrackFusionComponent::refused(const sightline::TrackArray& local,
+                                           const core::Refusal& why) const {
+  FusionResult result;
+  result.fused = std::make_shared<core::FusionReport>(core::describeRefused(
+      *latest_, toCore(local), why, static_cast<std::size_t>(params_.reports.max_tracks)));
+  result.report = fusionReport(*result.fused);
+  if (latest_->time == core::Time{}) result.report->header.stamp = local.header.stamp;  // nothing before it
+  result.refusal = why;
+  return result;
 }
 
 sightline::TrackArray::Ptr TrackFusionComponent::trackArray(const core::FusionReport& fused) const {
@@ -217,7 +258,7 @@ sightline::FusionReport::Ptr TrackFusionComponent::fusionReport(const core::Fusi
     sightline::FusedTrack row;
     row.id = track.track.id;
     row.rule = nameOf(track.rule);
-    row.why_not_tracklets = track.why_not_tracklets;
+    if (track.why_not_tracklets) row.why_not_tracklets = track.why_not_tracklets->detail;
     row.sources = toMessages(track.sources);
     row.left_out = toMessages(track.left_out);
     for (const core::WatchedSensor& watched : track.sensors) row.sensors.push_back(toMessage(watched));

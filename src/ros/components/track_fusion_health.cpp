@@ -22,12 +22,8 @@ constexpr std::size_t kMostSensors = 256;  // of which changes are told
 constexpr double kDefaultSilence = 2.0;    // [s]
 
 /// Reasons for leaving a local track out that need somebody's hand; the others are a tracker's daily life.
-const std::set<std::string> kCallForHelp{"invalid", "limit", "shared sensor", "undetermined"};
-
-/// Every reason begins with its kind: "stale: the report is ...".
-std::string kindOf(const std::string& reason) {
-  return reason.substr(0, reason.find(':'));
-}
+const std::set<std::string> kCallForHelp{"invalid", "limit", "shared sensor", "too uncertain",
+                                         "undetermined"};
 
 }  // namespace
 
@@ -42,7 +38,7 @@ TrackFusionHealth::TrackFusionHealth(const std::vector<std::string>& topics, dou
 
 void TrackFusionHealth::note(const sightline::TrackArray& local, const std::string& topic,
                              const FusionResult& result) {
-  if (!result.refusal.empty()) return complain(result.refusal);
+  if (result.refusal) return complain(*result.refusal);
   Source& source = sources_[topic];
   ++source.messages;
   source.tracker = local.tracker;
@@ -59,12 +55,12 @@ void TrackFusionHealth::note(const sightline::TrackArray& local, const std::stri
   sensors_.clear();
   harmful_.clear();
   for (const auto& track : result.report->tracks) {
-    noteLeftOut(track.left_out);
     noteSensors(track);
     ++rules_[track.rule];
     if (!track.why_not_tracklets.empty()) why_not_tracklets_ = track.why_not_tracklets;
   }
-  noteLeftOut(result.report->left_out);
+  for (const core::FusedTrack& track : result.fused->tracks) noteLeftOut(track.left_out);
+  noteLeftOut(result.fused->left_out);
 }
 
 /// A sensor of several tracks is shown with the worst that is thought of it.
@@ -102,29 +98,34 @@ std::vector<std::string> TrackFusionHealth::sensorLines(const FusionResult& resu
   return lines;
 }
 
-void TrackFusionHealth::noteTracklets(const sightline::TrackletArray& local, const std::string& refusal,
-                                      std::size_t late) {
-  if (!refusal.empty()) complain(refusal);
+void TrackFusionHealth::noteTracklets(const sightline::TrackletArray& local,
+                                      const std::optional<core::Refusal>& refusal, std::size_t late) {
+  if (refusal) complain(*refusal);
   if (tracklets_.size() < kMostTrackers || tracklets_.count(local.tracker) > 0)
     tracklets_[local.tracker] += local.tracklets.size();
   late_tracklets_ = late;
 }
 
-void TrackFusionHealth::noteLeftOut(const std::vector<sightline::SourceTrack>& rows) {
-  for (const auto& row : rows) {
-    const std::string kind = kindOf(row.reason);
-    ++left_out_[kind];
-    if (kCallForHelp.count(kind) == 0) continue;
-    std::ostringstream reason;
-    reason << row.reason << " (track " << row.id << " of \"" << row.tracker << "\")";
-    complain(reason.str());
+void TrackFusionHealth::noteFailures(const core::TrackletFailures& failures) {
+  if (failures.count > failed_tracklets_) complain({"failed", failures.latest});
+  failed_tracklets_ = failures.count;
+}
+
+void TrackFusionHealth::noteLeftOut(const std::vector<core::SourceTrack>& rows) {
+  for (const core::SourceTrack& row : rows) {
+    if (!row.reason) continue;
+    ++left_out_[row.reason->kind];
+    if (kCallForHelp.count(row.reason->kind) == 0) continue;
+    std::ostringstream detail;
+    detail << row.reason->detail << " (track " << row.id << " of \"" << row.tracker << "\")";
+    complain({row.reason->kind, detail.str()});
   }
 }
 
-void TrackFusionHealth::complain(const std::string& reason) {
-  Complaint& complaint = complaints_[kindOf(reason)];
+void TrackFusionHealth::complain(const core::Refusal& reason) {
+  Complaint& complaint = complaints_[reason.kind];
   ++complaint.count;
-  complaint.latest = reason;
+  complaint.latest = reason.detail;
 }
 
 std::vector<std::string> TrackFusionHealth::warnings(core::Time now) {
@@ -135,8 +136,8 @@ std::vector<std::string> TrackFusionHealth::warnings(core::Time now) {
                             core::seconds(now - *complaint.last_warning) < kSecondsBetweenWarnings;
     if (was_lately) continue;
     std::ostringstream line;
-    line << complaint.latest << " (" << complaint.count - complaint.count_warned << " new, "
-         << complaint.count << " in all)";
+    line << core::textOf({kind, complaint.latest}) << " (" << complaint.count - complaint.count_warned
+         << " new, " << complaint.count << " in all)";
     lines.push_back(line.str());
     complaint.last_warning = now;
     complaint.count_warned = complaint.count;
@@ -165,6 +166,7 @@ void TrackFusionHealth::diagnose(core::Time now, diagnostic_updater::DiagnosticS
   for (const auto& [sensor, words] : sensors_) status.add("guard of " + sensor, words);
   for (const auto& [tracker, count] : tracklets_) status.add("tracklets of " + tracker, count);
   if (late_tracklets_ > 0) status.add("tracklets that came too late", late_tracklets_);
+  if (failed_tracklets_ > 0) status.add("tracklets that an estimator could not take", failed_tracklets_);
   for (const auto& [kind, count] : left_out_) status.add("local tracks left out now, " + kind, count);
   for (auto& [kind, complaint] : complaints_) {
     status.add("complaints, " + kind, complaint.count);

@@ -62,8 +62,8 @@ void SensorRecord::takeSightings(const sightline::SightingArray& scan) {
     const Eigen::Vector2d angles(sighting.azimuth, sighting.elevation);
     const Eigen::Matrix2d covariance =
         Eigen::Map<const Eigen::Matrix<double, 2, 2, Eigen::RowMajor>>(sighting.covariance.data());
-    if (const auto reason = core::rejectionOf(angles, covariance)) {
-      if (refused_sightings_.count++ == 0) refused_sightings_.first = *reason;
+    if (const auto why = core::rejectionOf(angles, covariance)) {
+      if (refused_sightings_.count++ == 0) refused_sightings_.first = why->detail;
       continue;
     }
     sigmas_.add(std::sqrt(covariance.trace() / 2.0));

@@ -36,8 +36,8 @@ void addSightings(const std::optional<Turn>& turn, FramedScan& framed) {
     const Eigen::Vector2d angles(sightings[i].azimuth, sightings[i].elevation);
     const Eigen::Matrix2d covariance =
         Eigen::Map<const Eigen::Matrix<double, 2, 2, Eigen::RowMajor>>(sightings[i].covariance.data());
-    if (auto reason = core::rejectionOf(angles, covariance)) {
-      framed.rejections.emplace_back(static_cast<std::uint32_t>(i), std::move(*reason));
+    if (auto why = core::rejectionOf(angles, covariance)) {
+      framed.rejections.emplace_back(static_cast<std::uint32_t>(i), std::move(why->detail));
       framed.scan.sightings.push_back(unusableSighting());
       continue;
     }

@@ -14,14 +14,30 @@ namespace core = sightline::core;
 
 namespace {
 
-std::optional<std::string> whyUnusable(const sightline::Tracklet& message, const ros::Time& newest,
-                                       const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
-  if (message.track == 0) return "id 0 means no track; ids start at 1";
-  if (message.sensor.empty()) return "the sensor is not named";
-  if (message.stamp > newest) return "its stamp is after the message's";
+constexpr double kLargestCorrelation = 1.0 - 5e-15;  // that rounding leaves positive definite
+constexpr double kRounding = 1e-9;                   // of a correlation
+
+std::optional<core::Refusal> whyUnusable(const sightline::Tracklet& message, const ros::Time& newest,
+                                         const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
+  if (message.track == 0) return core::invalid("id 0 means no track; ids start at 1");
+  if (message.sensor.empty()) return core::invalid("the sensor is not named");
+  if (message.stamp > newest) return core::invalid("its stamp is after the message's");
   if (!(message.sightings > 0.0) || !std::isfinite(message.sightings))
-    return "sightings " + std::to_string(message.sightings) + " is not a number > 0";
+    return core::invalid("sightings " + std::to_string(message.sightings) + " is not a number > 0");
   return core::rejectionOf(angles, covariance);
+}
+
+/// The covariance of a very elongated sighting may not be positive definite any more in (azimuth, elevation),
+/// by rounding alone: its correlation is made as large as it can be.
+Eigen::Matrix2d withoutRounding(Eigen::Matrix2d covariance) {
+  const double scale = std::sqrt(covariance(0, 0)) * std::sqrt(covariance(1, 1));
+  const double correlation = covariance(0, 1) / scale;
+  const bool is_rounded = std::abs(correlation) > kLargestCorrelation &&
+                          std::abs(correlation) <= 1.0 + kRounding &&
+                          std::abs(covariance(0, 1) - covariance(1, 0)) <= kRounding * scale;
+  if (is_rounded)
+    covariance(0, 1) = covariance(1, 0) = std::copysign(kLargestCorrelation * scale, correlation);
+  return covariance;
 }
 
 }  // namespace
@@ -58,12 +74,12 @@ ReadTracklets readTracklets(const sightline::TrackletArray& message) {
   if (!message.since.isZero()) report.since = toCore(message.since);
   for (const sightline::Tracklet& row : message.tracklets) {
     const Eigen::Vector2d angles(row.azimuth, row.elevation);
-    const Eigen::Matrix2d covariance =
+    const Eigen::Matrix2d covariance = withoutRounding(
         (Eigen::Matrix2d() << row.covariance[0], row.covariance[1], row.covariance[2], row.covariance[3])
-            .finished();
+            .finished());
     if (const auto why = whyUnusable(row, message.header.stamp, angles, covariance)) {
-      read.refusal = core::Refusal{"invalid", "tracklet of track " + std::to_string(row.track) + " of \"" +
-                                                  message.tracker + "\" by \"" + row.sensor + "\": " + *why};
+      read.refusal = core::invalid("tracklet of track " + std::to_string(row.track) + " of \"" +
+                                   message.tracker + "\" by \"" + row.sensor + "\": " + why->detail);
       continue;
     }
     core::TrackTracklet it;

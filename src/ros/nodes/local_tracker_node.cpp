@@ -1,5 +1,7 @@
 #include "sightline/ros/nodes/local_tracker_node.h"
 
+#include <set>
+
 #include <ros/console.h>
 #include <sightline/AssociationArray.h>
 #include <sightline/TrackArray.h>
@@ -15,6 +17,18 @@ namespace {
 constexpr std::uint32_t kQueue = 1000;                 // messages a topic
 constexpr double kSecondsBetweenTimeoutChecks = 0.02;  // of the wall's clock
 
+/// Full names. A topic that is listened to twice would bring each scan twice.
+std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHandle& nh) {
+  std::set<std::string> seen;
+  std::vector<std::string> topics;
+  for (const std::string& topic : reader.requiredTexts("sighting_topics")) {
+    topics.push_back(nh.resolveName(topic));
+    if (!seen.insert(topics.back()).second)
+      throw reader.error("sighting_topics", "expected different topics, got " + topics.back() + " twice");
+  }
+  return topics;
+}
+
 }  // namespace
 
 LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
@@ -22,17 +36,19 @@ LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
 
 LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh, const ParamReader& reader)
     : nh_(nh),
+      guard_(nameOfNode(pnh)),
       component_(reader, nameOfNode(pnh), transforms_),
       health_(LocalTrackerHealth::silenceFrom(reader), {component_.maxLag(), component_.maxFuture()}) {
-  const std::vector<std::string> topics = reader.requiredTexts("sighting_topics");
+  const std::vector<std::string> topics = topicsFrom(reader, nh);
   reader.finish();
 
   tracks_ = nh_.advertise<sightline::TrackArray>("tracks", kQueue);
   tracklets_ = nh_.advertise<sightline::TrackletArray>("tracklets", kQueue);
   associations_ = nh_.advertise<sightline::AssociationArray>("associations", kQueue);
-  transform_subscriber_ = std::make_unique<TransformSubscriber>(nh_, transforms_, [this] { onTransforms(); });
+  transform_subscriber_ =
+      std::make_unique<TransformSubscriber>(nh_, transforms_, guard_("/tf", [this] { onTransforms(); }));
   timeout_timer_ = nh_.createWallTimer(ros::WallDuration(kSecondsBetweenTimeoutChecks),
-                                       [this](const ros::WallTimerEvent&) { onTimer(); });
+                                       guard_("a timer", [this](const ros::WallTimerEvent&) { onTimer(); }));
   diagnostics_.emplace(nh, pnh, "tracking", [this](auto& status, double) { diagnose(status); });
   subscribe(topics);
 }
@@ -40,9 +56,11 @@ LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh, cons
 void LocalTrackerNode::subscribe(const std::vector<std::string>& topics) {
   std::string all;
   for (const std::string& topic : topics) {
-    sightings_.push_back(
-        nh_.subscribe(topic, kQueue, &LocalTrackerNode::onScan, this, ros::TransportHints().tcpNoDelay()));
-    all += " " + sightings_.back().getTopic();
+    sightings_.push_back(nh_.subscribe<sightline::SightingArray>(
+        topic, kQueue,
+        guard_(topic, [this](const sightline::SightingArray::ConstPtr& scan) { onScan(scan); }),
+        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+    all += " " + topic;
   }
   ROS_INFO_STREAM(component_.name() << ": " << component_.estimator() << " in frame "
                                     << component_.trackingFrame() << ", listens to" << all);
@@ -88,6 +106,7 @@ void LocalTrackerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
     ROS_WARN_STREAM(component_.name() << ": " << line);
   health_.diagnose(clockNow(), component_.waiting(), status, watched, component_.calibratedSensors(),
                    component_.stamps(), component_.detection());
+  guard_.diagnose(status);
 }
 
 }  // namespace sightline_ros

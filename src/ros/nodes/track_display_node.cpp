@@ -6,12 +6,14 @@
 
 #include <Eigen/Geometry>
 
+#include <diagnostic_msgs/DiagnosticStatus.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/ros.h>
 
 #include "sightline/core/model/sphere.h"
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/nodes/this_node.h"
 #include "sightline/ros/params/scenario_params.h"
 
 namespace sightline_ros {
@@ -127,6 +129,7 @@ std::string channelOf(const std::string& topic) {
 
 TrackDisplayNode::TrackDisplayNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
     : nh_(nh),
+      guard_(nameOfNode(private_nh)),
       params_([&private_nh] {
         const ParamReader reader(private_nh);
         TrackDisplayParams params = loadTrackDisplayParams(reader);
@@ -147,17 +150,22 @@ TrackDisplayNode::TrackDisplayNode(ros::NodeHandle nh, ros::NodeHandle private_n
   grid_publisher_.publish(gridMarkers(params_.scene.canvas));
   subscribe();
   publish_timer_ = nh_.createWallTimer(ros::WallDuration(1.0 / params_.rate),
-                                       [this](const ros::WallTimerEvent&) { publish(); });
-  static_timer_ = nh_.createWallTimer(ros::WallDuration(kStaticPeriod),
-                                      [this](const ros::WallTimerEvent&) { repeatWhatStays(); });
+                                       guard_("a timer", [this](const ros::WallTimerEvent&) { publish(); }));
+  static_timer_ =
+      nh_.createWallTimer(ros::WallDuration(kStaticPeriod),
+                          guard_("a timer", [this](const ros::WallTimerEvent&) { repeatWhatStays(); }));
+  diagnostics_.emplace(nh, private_nh, "display", [this](auto& status, double) {
+    status.summary(diagnostic_msgs::DiagnosticStatus::OK, "shows what comes");
+    guard_.diagnose(status);
+  });
 }
 
 template <typename Message, typename Callback>
 void TrackDisplayNode::listen(const std::string& topic, Callback callback) {
   if (topic.empty()) return;
   subscribers_.push_back(nh_.subscribe<Message>(
-      topic, kQueue, boost::function<void(const typename Message::ConstPtr&)>(callback), ros::VoidConstPtr(),
-      ros::TransportHints().tcpNoDelay()));
+      topic, kQueue, boost::function<void(const typename Message::ConstPtr&)>(guard_(topic, callback)),
+      ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
 }
 
 void TrackDisplayNode::subscribe() {

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <unistd.h>
 
+#include <diagnostic_msgs/DiagnosticStatus.h>
 #include <ros/ros.h>
 #include <sightline/Evaluation.h>
 
@@ -13,6 +14,7 @@
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/evaluation_messages.h"
+#include "sightline/ros/nodes/this_node.h"
 #include "sightline/ros/params/evaluation_params.h"
 
 namespace sightline_ros {
@@ -85,14 +87,17 @@ TrackEvaluatorParams loadTrackEvaluatorParams(const ParamReader& reader) {
 }
 
 TrackEvaluatorNode::TrackEvaluatorNode(ros::NodeHandle nh, ros::NodeHandle pnh)
-    : nh_(nh), params_(loadAll(ParamReader(pnh))), evaluation_(params_.evaluation) {
+    : nh_(nh), guard_(nameOfNode(pnh)), params_(loadAll(ParamReader(pnh))), evaluation_(params_.evaluation) {
   publisher_ = nh_.advertise<sightline::Evaluation>("/evaluation", 10, true);
-  transform_subscriber_.emplace(nh_, transforms_, [this] { releaseScans(); });
+  transform_subscriber_.emplace(nh_, transforms_, guard_("/tf", [this] { releaseScans(); }));
   subscribe();
-  release_timer_ = nh_.createWallTimer(ros::WallDuration(kSecondsBetweenReleases),
-                                       [this](const ros::WallTimerEvent&) { releaseScans(); });
-  second_timer_ = nh_.createWallTimer(ros::WallDuration(kSecondsBetweenReports),
-                                      [this](const ros::WallTimerEvent&) { everySecond(); });
+  release_timer_ =
+      nh_.createWallTimer(ros::WallDuration(kSecondsBetweenReleases),
+                          guard_("a timer", [this](const ros::WallTimerEvent&) { releaseScans(); }));
+  second_timer_ =
+      nh_.createWallTimer(ros::WallDuration(kSecondsBetweenReports),
+                          guard_("a timer", [this](const ros::WallTimerEvent&) { everySecond(); }));
+  diagnostics_.emplace(nh, pnh, "evaluation", [this](auto& status, double) { diagnose(status); });
 }
 
 TrackEvaluatorNode::~TrackEvaluatorNode() {
@@ -106,20 +111,20 @@ void TrackEvaluatorNode::subscribe() {
     evaluation_.expectSightings(topic);
     frame_changes_.try_emplace(topic, params_.frames, transforms_);
     const boost::function<void(const sightline::SightingArray::ConstPtr&)> take =
-        [this, topic](const sightline::SightingArray::ConstPtr& scan) { onScan(topic, scan); };
+        guard_(topic, [this, topic](const sightline::SightingArray::ConstPtr& scan) { onScan(topic, scan); });
     subscribers_.push_back(
         nh_.subscribe<sightline::SightingArray>(name, kQueue, take, ros::VoidConstPtr(), promptly));
   }
   for (const std::string& name : params_.track_topics) {
     const std::string topic = nh_.resolveName(name);
     evaluation_.expectTracks(topic);
-    const boost::function<void(const sightline::TrackArray::ConstPtr&)> take =
-        [this, topic](const sightline::TrackArray::ConstPtr& tracks) { onTracks(topic, *tracks); };
+    const boost::function<void(const sightline::TrackArray::ConstPtr&)> take = guard_(
+        topic, [this, topic](const sightline::TrackArray::ConstPtr& tracks) { onTracks(topic, *tracks); });
     subscribers_.push_back(
         nh_.subscribe<sightline::TrackArray>(name, kQueue, take, ros::VoidConstPtr(), promptly));
   }
   const boost::function<void(const sightline::TrackArray::ConstPtr&)> take =
-      [this](const sightline::TrackArray::ConstPtr& truth) { onTruth(*truth); };
+      guard_("/truth", [this](const sightline::TrackArray::ConstPtr& truth) { onTruth(*truth); });
   subscribers_.push_back(
       nh_.subscribe<sightline::TrackArray>("/truth", kQueue, take, ros::VoidConstPtr(), promptly));
 }
@@ -165,6 +170,12 @@ void TrackEvaluatorNode::drop(const std::string& topic, const core::Refusal& ref
   ++dropped_[topic + ": " + refusal.kind];
   ROS_WARN_STREAM_THROTTLE(kSecondsBetweenWarnings,
                            "a message on " << topic << " is not evaluated: " << refusal.detail);
+}
+
+void TrackEvaluatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  status.summary(diagnostic_msgs::DiagnosticStatus::OK, report::readable(elapsed()) + " s evaluated");
+  for (const auto& [reason, count] : dropped_) status.add("messages dropped, " + reason, count);
+  guard_.diagnose(status);
 }
 
 void TrackEvaluatorNode::endAfterDuration(std::optional<Span>& span, core::Time stamp) {

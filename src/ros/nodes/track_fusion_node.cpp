@@ -34,7 +34,12 @@ std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHa
 std::vector<std::string> trackletTopicsFrom(const ParamReader& reader, const ros::NodeHandle& nh,
                                             const std::vector<std::string>& track_topics) {
   std::set<std::string> topics;
-  for (const std::string& topic : reader.texts("tracklet_topics", {})) topics.insert(nh.resolveName(topic));
+  for (const std::string& topic : reader.texts("tracklet_topics", {})) {
+    if (!topics.insert(nh.resolveName(topic)).second) {
+      throw reader.error("tracklet_topics",
+                         "expected different topics, got " + nh.resolveName(topic) + " twice");
+    }
+  }
   if (topics.empty()) {
     for (const std::string& topic : track_topics)
       topics.insert(ros::names::append(ros::names::parentNamespace(topic), "tracklets"));
@@ -50,14 +55,17 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
 TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh,
                                  const ParamReader& reader)
     : nh_(nh),
+      guard_(nameOfNode(pnh)),
       component_(reader, nameOfNode(pnh)),
       topics_(topicsFrom(reader, nh)),
       tracklet_topics_(trackletTopicsFrom(reader, nh, topics_)),
       health_(topics_, TrackFusionHealth::silenceFrom(reader)) {
   reader.finish();
 
-  diagnostics_.emplace(nh, pnh, "fusion",
-                       [this](auto& status, double) { health_.diagnose(clockNow(), status); });
+  diagnostics_.emplace(nh, pnh, "fusion", [this](auto& status, double) {
+    health_.diagnose(clockNow(), status);
+    guard_.diagnose(status);
+  });
   tracks_ = nh_.advertise<sightline::TrackArray>("fusion/tracks", kQueue);
   report_ = nh_.advertise<sightline::FusionReport>("fusion/report", kQueue);
 
@@ -65,7 +73,8 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
   for (const std::string& topic : topics_) {
     subscribers_.push_back(nh_.subscribe<sightline::TrackArray>(
         topic, kQueue,
-        [this, topic](const sightline::TrackArray::ConstPtr& local) { onTracks(local, topic); },
+        guard_(topic,
+               [this, topic](const sightline::TrackArray::ConstPtr& local) { onTracks(local, topic); }),
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
     all += " " + topic;
   }
@@ -73,7 +82,8 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
     if (!component_.wantsTracklets()) break;
     subscribers_.push_back(nh_.subscribe<sightline::TrackletArray>(
         topic, kQueue,
-        [this, topic](const sightline::TrackletArray::ConstPtr& local) { onTracklets(local, topic); },
+        guard_(topic,
+               [this, topic](const sightline::TrackletArray::ConstPtr& local) { onTracklets(local, topic); }),
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
   }
   ROS_INFO_STREAM(component_.name() << ": " << component_.rule() << " in frame " << component_.trackingFrame()
@@ -87,6 +97,7 @@ void TrackFusionNode::onTracks(const sightline::TrackArray::ConstPtr& local, con
   if (result.tracks) tracks_.publish(result.tracks);
   report_.publish(result.report);
   health_.note(*local, topic, result);
+  health_.noteFailures(component_.failedTracklets());
   for (const std::string& line : health_.sensorLines(result, now))
     ROS_WARN_STREAM(component_.name() << ": " << line);
   for (const std::string& warning : health_.warnings(now))
@@ -96,19 +107,16 @@ void TrackFusionNode::onTracks(const sightline::TrackArray::ConstPtr& local, con
 void TrackFusionNode::onTracklets(const sightline::TrackletArray::ConstPtr& local, const std::string& topic) {
   const sightline::core::Time now = clockNow();
   noticeTimeJump(now);
-  const std::string refusal = component_.onTracklets(*local, topic, now);
+  const auto refusal = component_.onTracklets(*local, topic, now);
   health_.noteTracklets(*local, refusal, component_.lateTracklets());
 }
 
-/// Simulated time that steps back (a recording in a loop) starts everything again.
 void TrackFusionNode::noticeTimeJump(sightline::core::Time now) {
-  if (ros::Time::isSimTime() && now < last_now_) {
-    ROS_WARN_STREAM(component_.name()
-                    << ": time stepped back by " << sightline::core::seconds(last_now_ - now)
-                    << " s; forgets all tracks");
-    component_.reset();
+  if (!ros::Time::isSimTime()) return;
+  if (const auto back = component_.onSimulatedTime(now)) {
+    ROS_WARN_STREAM(component_.name() << ": time stepped back by " << *back << " s (tracklets/max_lag "
+                                      << component_.maxLag() << " s); forgets all tracks");
   }
-  last_now_ = now;
 }
 
 }  // namespace sightline_ros

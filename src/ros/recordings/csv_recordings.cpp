@@ -64,7 +64,7 @@ sightline::Sighting sightingOf(const report::CsvTable& table, std::size_t row) {
   const Eigen::Vector2d sigma(table.number(row, "sigma_azimuth", "rad"),
                               table.number(row, "sigma_elevation", "rad"));
   const Eigen::Matrix2d covariance = sigma.cwiseAbs2().asDiagonal();
-  if (const auto reason = core::rejectionOf(angles, covariance)) throw table.error(row, *reason);
+  if (const auto why = core::rejectionOf(angles, covariance)) throw table.error(row, why->detail);
   if (sigma.minCoeff() < 0.0)
     throw table.error(row, "a sigma is negative: state standard deviations in radians");
   sightline::Sighting sighting;

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <iomanip>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
-#include <sightline/FusionReport.h>
 
 #include "sightline/ros/components/local_tracker_component.h"
 #include "sightline/ros/components/track_fusion_component.h"
@@ -53,13 +53,6 @@ ParamReader fusionSectionOf(const ParamReader& config, const ReplaySettings& set
   return settings.estimator.empty() ? section : section.with("estimator", settings.estimator);
 }
 
-/// The kind of a refusal "kind: details", and its details.
-std::pair<std::string, std::string> partsOf(const std::string& refusal) {
-  const std::size_t colon = refusal.find(": ");
-  if (colon == std::string::npos) return {refusal, ""};
-  return {refusal.substr(0, colon), refusal.substr(colon + 2)};
-}
-
 /// The trackers and the fusion of one replay: scans in, messages out.
 class Replay {
  public:
@@ -80,8 +73,8 @@ class Replay {
   void fuse(const Tracker& tracker, const std::vector<TrackerReport>& reports);
   void sendOverdueTracklets(core::Time now);
   void sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets);
-  void noteRefusal(const std::string& refusal);
-  void noteLeftOut(const sightline::FusionReport& report);
+  void noteRefusal(const std::optional<core::Refusal>& refusal);
+  void noteLeftOut(const core::FusionReport& report);
 
   bool is_live_;
   core::ArrivalPlan arrivals_;
@@ -192,7 +185,7 @@ void Replay::fuse(const Tracker& tracker, const std::vector<TrackerReport>& repo
     const FusionResult fused = fusion_.onTracks(*report.tracks, tracker.topics.tracks, core::Time{});
     output_.write(fused, report.tracks->header.stamp);
     noteRefusal(fused.refusal);
-    noteLeftOut(*fused.report);
+    noteLeftOut(*fused.fused);
   }
 }
 
@@ -210,17 +203,15 @@ void Replay::sendTracklets(const Tracker& tracker, const sightline::TrackletArra
   noteRefusal(fusion_.onTracklets(tracklets, tracker.topics.tracklets, core::Time{}));
 }
 
-void Replay::noteRefusal(const std::string& refusal) {
-  if (refusal.empty()) return;
-  const auto [kind, detail] = partsOf(refusal);
-  summary_.noteDrop(fusion_.name() + ": " + kind, detail);
+void Replay::noteRefusal(const std::optional<core::Refusal>& refusal) {
+  if (refusal) summary_.noteDrop(fusion_.name() + ": " + refusal->kind, refusal->detail);
 }
 
 /// Local tracks that found no room in the fusion.
-void Replay::noteLeftOut(const sightline::FusionReport& report) {
-  for (const sightline::SourceTrack& track : report.left_out) {
-    if (track.reason.compare(0, 6, "limit:") != 0) continue;
-    summary_.noteDrop(fusion_.name() + ": local tracks left out, limit", partsOf(track.reason).second);
+void Replay::noteLeftOut(const core::FusionReport& report) {
+  for (const core::SourceTrack& track : report.left_out) {
+    if (track.reason->kind != "limit") continue;
+    summary_.noteDrop(fusion_.name() + ": local tracks left out, limit", track.reason->detail);
   }
 }
 

@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <random>
-#include <stdexcept>
 
 #include <gtest/gtest.h>
 
 namespace sightline::core {
 namespace {
-
-constexpr double kForbidden = std::numeric_limits<double>::infinity();
 
 double costOf(const Eigen::MatrixXd& cost, const std::vector<int>& columns, double alone) {
   double sum = 0.0;
@@ -71,10 +69,24 @@ TEST(Assignment, EmptyProblemsHaveEmptyAnswers) {
   EXPECT_EQ(assign(Eigen::MatrixXd(2, 0)), (std::vector<int>{-1, -1}));
 }
 
-TEST(Assignment, NotANumberIsRefused) {
-  Eigen::MatrixXd cost(1, 1);
-  cost << std::nan("");
-  EXPECT_THROW(assign(cost), std::invalid_argument);
+TEST(Assignment, ACostThatIsNoNumberOrAbsurdForbidsItsPair) {
+  for (const double odd : {std::nan(""), -kForbidden, 1e300, -1e300, 1e101}) {
+    Eigen::MatrixXd cost(2, 2);
+    cost << odd, 1.0,  //
+        3.0, odd;
+    EXPECT_EQ(assign(cost), (std::vector<int>{1, 0})) << odd;
+    EXPECT_EQ(assign(cost, 2.0), (std::vector<int>{1, -1})) << odd;
+    EXPECT_EQ(assign(cost, odd), (std::vector<int>{1, 0})) << "alone at " << odd;
+    cost.setConstant(odd);
+    EXPECT_EQ(assign(cost), (std::vector<int>{-1, -1})) << odd;
+  }
+}
+
+TEST(Assignment, LargeCostsThatAreAllowedAreCompared) {
+  Eigen::MatrixXd cost(2, 2);
+  cost << 1e99, 2e99,  //
+      1e99, 4e99;
+  EXPECT_EQ(assign(cost), (std::vector<int>{1, 0}));
 }
 
 TEST(Assignment, EqualsExhaustiveSearchOnRandomRectangularProblems) {

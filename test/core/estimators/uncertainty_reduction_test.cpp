@@ -1,6 +1,7 @@
 #include "sightline/core/estimators/uncertainty_reduction.h"
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 #include <stdexcept>
@@ -22,7 +23,17 @@ using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
+using Eigen::VectorXd;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
+
+/// One fixed size is tested, that of Case, and everything else with sizes known at run time: a size takes ten
+/// seconds to compile.
+using AnyModel = LinearModel<double, Dynamic, Dynamic>;
+using ModelAt = std::function<AnyModel(const VectorXd&)>;
+
+VectorXd scalar(double value) {
+  return VectorXd::Constant(1, value);
+}
 
 /// Three parameters, two responses, everything correlated.
 struct Case {
@@ -63,24 +74,23 @@ Matrix5 jointOf(const Matrix2d& C_r, const Matrix23& C_p, const Matrix3d& C_a) {
   return joint;
 }
 
-template <typename Matrix>
-double leastEigenvalue(const Matrix& matrix) {
-  return Eigen::SelfAdjointEigenSolver<typename Matrix::PlainObject>(matrix).eigenvalues()(0);
+double leastEigenvalue(const MatrixXd& matrix) {
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(matrix).eigenvalues()(0);
 }
 
 /// Change of (a, r) that minimises Q subject to S x - y + sign e = 0, from the stationary point of
 /// L = z^T C^-1 z + 2 lambda^T (S x - y + sign e) with z = (y, x).
 std::pair<Vector3d, Vector2d> minimumOfLagrangian(const Case& given, double sign) {
-  Eigen::Matrix<double, 2, 5> G;
+  MatrixXd G(2, 5);
   G << -Matrix2d::Identity(), given.model.S;
-  Eigen::Matrix<double, 7, 7> system = Eigen::Matrix<double, 7, 7>::Zero();
-  const Matrix5 C = jointOf(given.C_r, given.C_p, given.C_a);
-  system.topLeftCorner<5, 5>() = C.ldlt().solve(Matrix5::Identity());
-  system.topRightCorner<5, 2>() = G.transpose();
-  system.bottomLeftCorner<2, 5>() = G;
-  Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero();
+  MatrixXd system = MatrixXd::Zero(7, 7);
+  const MatrixXd C = jointOf(given.C_r, given.C_p, given.C_a);
+  system.topLeftCorner(5, 5) = C.ldlt().solve(MatrixXd::Identity(5, 5));
+  system.topRightCorner(5, 2) = G.transpose();
+  system.bottomLeftCorner(2, 5) = G;
+  VectorXd right = VectorXd::Zero(7);
   right.tail<2>() = -sign * (given.model.q - given.r);
-  const Eigen::Matrix<double, 7, 1> solution = system.fullPivLu().solve(right);
+  const VectorXd solution = system.fullPivLu().solve(right);
   return {solution.segment<3>(2), solution.head<2>()};
 }
 
@@ -108,10 +118,8 @@ TEST_P(GoldenReduction, MatchesTheReferenceVectors) {
 INSTANTIATE_TEST_SUITE_P(UncertaintyReduction, GoldenReduction, testing::Values("noga", "noga_cp"));
 
 /// q = a0 exp(a1).
-LinearModel<double, 2, 1> growth(const Vector2d& a) {
-  LinearModel<double, 2, 1> model;
-  model.a = a;
-  model.q << a(0) * std::exp(a(1));
+AnyModel growth(const VectorXd& a) {
+  AnyModel model{a, scalar(a(0) * std::exp(a(1))), MatrixXd(1, 2)};
   model.S << std::exp(a(1)), a(0) * std::exp(a(1));
   return model;
 }
@@ -119,11 +127,10 @@ LinearModel<double, 2, 1> growth(const Vector2d& a) {
 TEST(IteratedReduction, MatchesTheReferenceVectorsAfterEveryNumberOfSteps) {
   SIGHTLINE_REQUIRE_SHARED();
   const YAML::Node given = test::golden("noga_iterated");
-  using Vector1 = Eigen::Matrix<double, 1, 1>;
   for (const auto& expected : given["iters"]) {
     const auto result = reduceUncertaintyIterated(
-        growth, Vector2d(test::array(given["a"])), test::array(given["Ca"]).matrix().asDiagonal(),
-        Vector1(given["r"].as<double>()), Vector1(given["Cr"].as<double>()), Eigen::RowVector2d::Zero(),
+        ModelAt(growth), VectorXd(test::array(given["a"])), test::array(given["Ca"]).matrix().asDiagonal(),
+        scalar(given["r"].as<double>()), scalar(given["Cr"].as<double>()), MatrixXd::Zero(1, 2),
         {1e-14, expected.first.as<int>()});
     test::expectGolden(result.reduced.a, test::array(expected.second["a"]));
     test::expectGolden(result.reduced.r, test::array(expected.second["r"]));
@@ -132,10 +139,10 @@ TEST(IteratedReduction, MatchesTheReferenceVectorsAfterEveryNumberOfSteps) {
   }
 }
 
-IteratedReduction<double, 2, 1> reducedGrowth(const IterationLimits& limits) {
-  using Vector1 = Eigen::Matrix<double, 1, 1>;
-  return reduceUncertaintyIterated(growth, Vector2d(1.0, 0.2), Vector2d(0.3, 0.2).asDiagonal(), Vector1(4.0),
-                                   Vector1(0.05), Eigen::RowVector2d::Zero(), limits);
+IteratedReduction<double, Dynamic, Dynamic> reducedGrowth(const IterationLimits& limits) {
+  return reduceUncertaintyIterated(ModelAt(growth), VectorXd(Vector2d(1.0, 0.2)),
+                                   Vector2d(0.3, 0.2).asDiagonal(), scalar(4.0), scalar(0.05),
+                                   MatrixXd::Zero(1, 2), limits);
 }
 
 TEST(IteratedReduction, AtConvergenceTheResponseIsTheModelsAndBeforeItIsNot) {
@@ -148,23 +155,22 @@ TEST(IteratedReduction, AtConvergenceTheResponseIsTheModelsAndBeforeItIsNot) {
 }
 
 TEST(IteratedReduction, HalvesTheStepsOfAModelOnWhichFullStepsDiverge) {
-  using Vector1 = Eigen::Matrix<double, 1, 1>;
-  const auto model = [](const Vector1& a) {  // full steps on atan(a) = 0 run away from |a| > 1.39
-    return LinearModel<double, 1, 1>{a, Vector1(std::atan(a(0))), Vector1(1.0 / (1.0 + a(0) * a(0)))};
+  const ModelAt model = [](const VectorXd& a) {  // full steps on atan(a) = 0 run away from |a| > 1.39
+    return AnyModel{a, scalar(std::atan(a(0))), scalar(1.0 / (1.0 + a(0) * a(0)))};
   };
-  const auto result = reduceUncertaintyIterated(model, Vector1(5.0), Vector1(1e4), Vector1(0.0),
-                                                Vector1(1e-6), Vector1(0.0), {1e-12, 60});
+  const auto result = reduceUncertaintyIterated(model, scalar(5.0), scalar(1e4), scalar(0.0), scalar(1e-6),
+                                                scalar(0.0), {1e-12, 60});
   EXPECT_TRUE(result.converged);
   EXPECT_NEAR(result.reduced.a(0), 0.0, 1e-4);
 }
 
 TEST(IteratedReduction, OfALinearModelIsTheReductionItself) {
   const Case given = randomCase(5);
-  const auto linear = [&](const Vector3d& a) {
-    return LinearModel<double, 3, 2>{a, given.model.q + given.model.S * (a - given.model.a), given.model.S};
+  const ModelAt linear = [&](const VectorXd& a) {
+    return AnyModel{a, given.model.q + given.model.S * (a - given.model.a), given.model.S};
   };
-  const auto result =
-      reduceUncertaintyIterated(linear, given.model.a, given.C_a, given.r, given.C_r, given.C_p);
+  const auto result = reduceUncertaintyIterated(linear, VectorXd(given.model.a), given.C_a, VectorXd(given.r),
+                                                given.C_r, given.C_p);
   const auto expected = given.reduced();
   EXPECT_TRUE(result.converged);
   EXPECT_TRUE(result.reduced.a.isApprox(expected.a, 1e-12));
@@ -208,7 +214,7 @@ TEST(UncertaintyReduction, IsTheMinimumOfTheLagrangianWithPlusEAndNotWithMinusE)
 
 TEST(UncertaintyReduction, OfFixedAndOfDynamicSizeAreOne) {
   const Case given = randomCase(3);
-  const LinearModel<double, Dynamic, Dynamic> model{given.model.a, given.model.q, given.model.S};
+  const AnyModel model{given.model.a, given.model.q, given.model.S};
   const auto reduced = reduceUncertainty(model, given.C_a, given.r, given.C_r, given.C_p);
   const auto expected = given.reduced();
   EXPECT_TRUE(reduced.a.isApprox(expected.a, 1e-13));
@@ -221,22 +227,20 @@ TEST(UncertaintyReduction, OfFixedAndOfDynamicSizeAreOne) {
 /// A line through 20 values of noise `sigma`; the measurement is the last of them.
 struct FittedLine {
   static constexpr double kSigma = 0.08;
-  Eigen::Matrix<double, 20, 2> F;
-  Eigen::Matrix<double, 2, 20> B;  // a = B y
-  Eigen::Matrix<double, 20, 1> y;
+  MatrixXd F = MatrixXd::Ones(20, 2);
+  MatrixXd B;  // a = B y
+  VectorXd y;
 
   FittedLine() {
     std::mt19937_64 random(11);
     y = kSigma * drawn<Eigen::Matrix<double, 20, 1>>(random);
-    F.col(0) = Eigen::Matrix<double, 20, 1>::LinSpaced(0.57, 0.0);
-    F.col(1).setOnes();
-    B = Matrix2d(F.transpose() * F).llt().solve(F.transpose().eval());
+    F.col(0) = VectorXd::LinSpaced(20, 0.57, 0.0);
+    B = MatrixXd(F.transpose() * F).llt().solve(F.transpose());
   }
-  LinearModel<double, 2, 1> model() const { return {B * y, F.row(19) * (B * y), F.row(19)}; }
-  Matrix2d covariance() const { return kSigma * kSigma * B * B.transpose(); }
-  ReducedUncertainty<double, 2, 1> with(const Eigen::RowVector2d& C_p) const {
-    using Vector1 = Eigen::Matrix<double, 1, 1>;
-    return reduceUncertainty(model(), covariance(), Vector1(y(19)), Vector1(kSigma * kSigma), C_p);
+  AnyModel model() const { return {B * y, F.row(19) * (B * y), F.row(19)}; }
+  MatrixXd covariance() const { return kSigma * kSigma * B * B.transpose(); }
+  ReducedUncertainty<double, Dynamic, Dynamic> with(const MatrixXd& C_p) const {
+    return reduceUncertainty(model(), covariance(), scalar(y(19)), scalar(kSigma * kSigma), C_p);
   }
 };
 
@@ -251,43 +255,42 @@ TEST(UncertaintyReduction, ADatumThatServedAlreadyChangesNothingWhenCpSaysSo) {
 TEST(UncertaintyReduction, ADatumCountedTwiceMakesTheVarianceSixteenPercentTooSmall) {
   const FittedLine line;
   const double C_q = (line.model().S * line.covariance() * line.model().S.transpose())(0);
-  EXPECT_NEAR(line.with(Eigen::RowVector2d::Zero()).C_r(0) / C_q, 0.8434, 5e-5);
+  EXPECT_NEAR(line.with(MatrixXd::Zero(1, 2)).C_r(0) / C_q, 0.8434, 5e-5);
 }
 
 TEST(UncertaintyReduction, OfStateAndProcessNoiseRecursivelyIsTheKalmanFilter) {
-  using Vector1 = Eigen::Matrix<double, 1, 1>;
   constexpr double kDensity = 0.3, kVariance = 0.0064;
-  const Eigen::RowVector2d H(1.0, 0.0);
+  const MatrixXd H = Eigen::RowVector2d(1.0, 0.0);
   std::mt19937_64 random(4);
   std::normal_distribution<double> normal;
   std::uniform_int_distribution<int> tick(1, 5);
-  Vector2d x_noga(0.1, 0.0), x_kalman = x_noga;
-  Matrix2d P_noga = Vector2d(kVariance, 4.0).asDiagonal(), P_kalman = P_noga;
+  VectorXd x_noga = Vector2d(0.1, 0.0), x_kalman = x_noga;
+  MatrixXd P_noga = Vector2d(kVariance, 4.0).asDiagonal(), P_kalman = P_noga;
   for (int k = 0; k < 50; ++k) {
     const double h = 0.01 * tick(random);
-    const Vector1 z(std::sin(0.03 * k) + std::sqrt(kVariance) * normal(random));
-    Matrix2d F, Q;
+    const VectorXd z = scalar(std::sin(0.03 * k) + std::sqrt(kVariance) * normal(random));
+    MatrixXd F(2, 2), Q(2, 2);
     F << 1.0, h, 0.0, 1.0;
     Q << h * h * h / 3.0, h * h / 2.0, h * h / 2.0, h;
     Q *= kDensity;
 
-    LinearModel<double, 4, 1> model;  // a = (state, process noise)
+    AnyModel model{VectorXd(4), VectorXd(1), MatrixXd(1, 4)};  // a = (state, process noise)
     model.a << x_noga, Vector2d::Zero();
     model.S << H * F, H;
     model.q = model.S * model.a;
-    Eigen::Matrix4d C_a = Eigen::Matrix4d::Zero();
+    MatrixXd C_a(4, 4);
     C_a << P_noga, Matrix2d::Zero(), Matrix2d::Zero(), Q;
-    const auto reduced = reduceUncertainty(model, C_a, z, Vector1(kVariance));
-    Eigen::Matrix<double, 2, 4> onward;
+    const auto reduced = reduceUncertainty(model, C_a, z, scalar(kVariance));
+    MatrixXd onward(2, 4);
     onward << F, Matrix2d::Identity();
     x_noga = onward * reduced.a;
     P_noga = symmetric(onward * reduced.C_a * onward.transpose());
 
     x_kalman = F * x_kalman;
     P_kalman = F * P_kalman * F.transpose() + Q;
-    const Vector2d K = P_kalman.col(0) / (P_kalman(0, 0) + kVariance);
+    const VectorXd K = P_kalman.col(0) / (P_kalman(0, 0) + kVariance);
     x_kalman += K * (z(0) - x_kalman(0));
-    P_kalman = (Matrix2d::Identity() - K * H) * P_kalman;
+    P_kalman = (MatrixXd::Identity(2, 2) - K * H) * P_kalman;
     EXPECT_LT((x_noga - x_kalman).norm(), 1e-13);
     EXPECT_LT((P_noga - P_kalman).norm(), 1e-14);
   }
@@ -302,20 +305,21 @@ struct Indefinite {
 
 Indefinite indefiniteInSinglePrecision(unsigned seed, float prior_scale) {
   using Matrix3f = Eigen::Matrix3f;
-  using Vector3f = Eigen::Vector3f;
+  using Eigen::MatrixXf;
   std::mt19937_64 random(seed);
   const auto covariance = [&random] {
     const Matrix3f root = drawn<Matrix3f>(random);
     return Matrix3f(symmetric(root * root.transpose() + 0.1F * Matrix3f::Identity()));
   };
-  const Matrix3f C_a = covariance() * prior_scale, C_r = covariance();
-  const LinearModel<float, 3, 3> model{Vector3f::Zero(), Vector3f::Zero(), drawn<Matrix3f>(random)};
-  const Matrix3f& S = model.S;
-  const Matrix3f D = C_r + S * C_a * S.transpose();
-  const Matrix3f printed = C_a - C_a * S.transpose() * D.llt().solve(S * C_a);  // (21) as it stands
-  const Matrix3f joseph = reduceUncertainty(model, C_a, Vector3f(0.1F, -0.2F, 0.3F), C_r).C_a;
-  const auto indefinite = [](const Matrix3f& C) {
-    return leastEigenvalue(Matrix3d(symmetric(C.cast<double>()))) < 0.0;
+  const MatrixXf C_a = covariance() * prior_scale, C_r = covariance();
+  const LinearModel<float, Dynamic, Dynamic> model{Eigen::VectorXf::Zero(3), Eigen::VectorXf::Zero(3),
+                                                   drawn<Matrix3f>(random)};
+  const MatrixXf& S = model.S;
+  const MatrixXf D = C_r + S * C_a * S.transpose();
+  const MatrixXf printed = C_a - C_a * S.transpose() * D.llt().solve(S * C_a);  // (21) as it stands
+  const MatrixXf joseph = reduceUncertainty(model, C_a, Eigen::Vector3f(0.1F, -0.2F, 0.3F), C_r).C_a;
+  const auto indefinite = [](const MatrixXf& C) {
+    return leastEigenvalue(symmetric(C.cast<double>())) < 0.0;
   };
   return {indefinite(printed), indefinite(joseph)};
 }
@@ -378,7 +382,7 @@ TEST(UncertaintyReduction, RefusesWhatIsNoCovarianceAndNamesIt) {
 
 TEST(UncertaintyReduction, RefusesSizesThatDoNotFit) {
   const Case given = randomCase(8);
-  const LinearModel<double, Dynamic, Dynamic> model{given.model.a, given.model.q, given.model.S};
+  const AnyModel model{given.model.a, given.model.q, given.model.S};
   EXPECT_THROW(reduceUncertainty(model, MatrixXd::Identity(2, 2), given.r, given.C_r, given.C_p),
                std::invalid_argument);
 }

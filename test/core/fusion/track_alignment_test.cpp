@@ -103,11 +103,43 @@ TEST(TrackAlignment, GoodStatesAreAccepted) {
   EXPECT_FALSE(rejectionOf(rounded)) << "beyond 2 pi by rounding alone";
 }
 
+TEST(TrackAlignment, StatesThatHaveDivergedAreRefused) {
+  const auto reasonAfter = [](auto spoil) {
+    AngularState state = someState();
+    spoil(state);
+    const auto refusal = rejectionOf(state);
+    EXPECT_EQ(refusal.value_or(Refusal{}).kind, "invalid");
+    return refusal.value_or(Refusal{}).detail;
+  };
+  for (const double rate : {2e4, 1e8, 1e50, 1e300}) {
+    EXPECT_NE(reasonAfter([rate](AngularState& s) { s.mean(3) = -rate; }).find("rate "), std::string::npos);
+  }
+  EXPECT_NE(reasonAfter([](AngularState& s) {
+              s.covariance.row(1) *= 1e7;
+              s.covariance.col(1) *= 1e7;
+            }).find("above 1000 rad"),
+            std::string::npos);
+  EXPECT_NE(reasonAfter([](AngularState& s) {
+              s.covariance.row(2) *= 1e12;
+              s.covariance.col(2) *= 1e12;
+            }).find("sigma of the rate"),
+            std::string::npos);
+  for (const double factor : {1e50, 1e100, 1e290})
+    EXPECT_NE(reasonAfter([factor](AngularState& s) { s.covariance *= factor; }), "");
+}
+
+TEST(TrackAlignment, LargestPositionSigmaIsMeasuredOnTheSphere) {
+  AngularState state;
+  state.mean << 0.0, 1.5, 0.0, 0.0;
+  state.covariance = Eigen::Vector4d(4.0, 0.01, 1.0, 1.0).asDiagonal();
+  EXPECT_NEAR(largestPositionSigma(state), std::max(2.0 * std::cos(1.5), 0.1), 1e-12);
+}
+
 TEST(TrackAlignment, EveryBadStateIsRefusedWithItsReason) {
   const auto reasonAfter = [](auto spoil) {
     AngularState state = someState();
     spoil(state);
-    return rejectionOf(state).value_or("");
+    return rejectionOf(state).value_or(Refusal{}).detail;
   };
   const double nan = std::nan("");
   EXPECT_NE(reasonAfter([nan](AngularState& s) { s.mean(2) = nan; }).find("not finite"), std::string::npos);

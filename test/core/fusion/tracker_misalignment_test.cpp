@@ -44,6 +44,15 @@ TEST(TrackerMisalignment, TwoTargetsSayNothing) {
   EXPECT_EQ(after(500, 2, 1e-3, 3e-3).sigma("a"), 0.0);
 }
 
+TEST(TrackerMisalignment, RemembersNoMoreThanSoManyTrackersAndThoseThatAreOffMost) {
+  TrackerMisalignment misalignment(0.0);
+  const std::vector<Disagreement> off(5, {1e-4, 1e-8}), slightly(5, {1e-7, 1e-8});
+  misalignment.take("off", off);
+  for (int k = 0; k < 2000; ++k) misalignment.take("tracker " + std::to_string(k), slightly);
+  EXPECT_GT(misalignment.sigma("off"), 1e-4);
+  EXPECT_EQ(misalignment.sigma("tracker 0"), 0.0) << "forgotten";
+}
+
 TEST(TrackerMisalignment, LeastIsAllowedForInAnyCase) {
   EXPECT_EQ(TrackerMisalignment(2e-3).sigma("a"), 2e-3);
   EXPECT_EQ(TrackerMisalignment(2e-3).largestSigma(), 2e-3);

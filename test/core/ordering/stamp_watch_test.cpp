@@ -267,6 +267,56 @@ TEST(StampWatch, ASensorThatIsOnlyLateIsNotAccused) {
   EXPECT_TRUE(witness.notices.empty()) << witness.notices.front();
 }
 
+/// Sensors of 30 Hz; the stamps of the first are anywhere in the last three seconds.
+class OneErraticOf : public testing::TestWithParam<int> {};
+
+TEST_P(OneErraticOf, IsLeftOutAlone) {
+  for (const unsigned seed : {1u, 2u, 3u, 4u, 5u}) {
+    for (const bool has_clock : {true, false}) {
+      Witness witness;
+      std::mt19937 random(seed);
+      std::uniform_real_distribution<double> age(0.0, 3.0);
+      int dropped = 0;
+      for (int k = 0; k < 55 * 30; ++k) {
+        const double now = 100.0 + kPeriod * k;
+        const auto take = [&](const std::string& sensor, double stamp) {
+          return has_clock ? witness.takeByClock(sensor, stamp, now) : witness.take(sensor, stamp);
+        };
+        take("a", now - age(random));
+        for (int other = 1; other < GetParam(); ++other) {
+          const bool is_used = witness.isUsed(take("b" + std::to_string(other), now + 1e-3 * other));
+          // Without a clock nobody knows at the start which of two is right.
+          if (has_clock || k > 90) dropped += is_used ? 0 : 1;
+        }
+      }
+      EXPECT_EQ(witness.went_back, 0) << "seed " << seed << " clock " << has_clock;
+      EXPECT_EQ(dropped, 0) << "seed " << seed << " clock " << has_clock;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sensors, OneErraticOf, testing::Values(2, 3, 6));
+
+TEST(StampWatch, ASensorThatStartsAgainIsFollowedOnceTheOthersAreSilent) {
+  Witness witness;
+  runThree(witness, 4000.0, 4005.0);
+  for (int k = 0; k < 120; ++k) witness.take("a", 10.0 + kPeriod * k);
+  EXPECT_EQ(witness.went_back, 1);
+  EXPECT_TRUE(witness.isUsed(witness.take("a", 14.0)));
+}
+
+TEST(StampWatch, RemembersNoMoreThanSoManySensors) {
+  StampWatch watch{StampWatchParams{}};
+  for (std::uint64_t k = 0; k < 10000; ++k) {
+    watch.take(2 * k, "here", at(0.001 * static_cast<double>(k)));
+    watch.take(2 * k + 1, "sensor " + std::to_string(k), at(0.001 * static_cast<double>(k)));
+  }
+  const auto sensors = watch.sensors();
+  EXPECT_LE(sensors.size(), 256u);
+  EXPECT_TRUE(
+      std::any_of(sensors.begin(), sensors.end(), [](const auto& it) { return it.sensor == "here"; }));
+}
+
 TEST(StampWatch, HoldsNoMoreThanItsLimit) {
   StampWatchParams params;
   params.max_held = 10;

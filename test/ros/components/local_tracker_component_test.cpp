@@ -103,6 +103,59 @@ TEST_F(TrackerComponent, DuplicateAndLateScansAreDroppedWithTheirReason) {
   EXPECT_EQ(late.refusal->kind, "late");
 }
 
+TEST_F(TrackerComponent, AScanAtWhichTheTrackerFailsIsDroppedAndItGoesOnAsIfItHadNotCome) {
+  XmlRpc::XmlRpcValue values;
+  values["estimator"] = std::string("twbls");
+  values["twbls"]["form"] = std::string("paper");
+  values["twbls"]["paper"]["sensor_weight"] = std::string("ifov");  // throws without
+  const ParamReader reader(values, "/test");
+  LocalTrackerComponent with(reader, "with", transforms_), without(reader, "without", transforms_);
+  LocalTrackerHealth health(2.0, {0.5, 0.1});
+  const auto scanOf = [](double stamp, double ifov) {
+    auto scan = scanAt(stamp, {0.5 + 0.1 * (stamp - 10.0)});
+    scan->ifov = ifov;
+    return scan;
+  };
+  int failed = 0;
+  for (int i = 0; i < 60; ++i) {
+    const double stamp = 10.0 + 0.03 * i;
+    const auto good = scanOf(stamp, 1e-3);
+    const auto expected = without.onScan(good, at(stamp)).at(0), got = with.onScan(good, at(stamp)).at(0);
+    ASSERT_TRUE(expected.tracks && got.tracks);
+    ASSERT_EQ(expected.tracks->tracks.size(), got.tracks->tracks.size()) << i;
+    for (std::size_t k = 0; k < got.tracks->tracks.size(); ++k) {
+      EXPECT_EQ(expected.tracks->tracks[k].id, got.tracks->tracks[k].id);
+      EXPECT_EQ(expected.tracks->tracks[k].azimuth, got.tracks->tracks[k].azimuth) << i;
+      EXPECT_EQ(expected.tracks->tracks[k].covariance, got.tracks->tracks[k].covariance) << i;
+    }
+    if (i < 20 || i % 4 != 0) continue;
+    const auto bad = with.onScan(scanOf(stamp + 0.01, kNaN), at(stamp + 0.01));
+    ASSERT_EQ(bad.size(), 1u);
+    ASSERT_TRUE(bad[0].refusal) << "this estimator needs the ifov";
+    EXPECT_EQ(bad[0].refusal->kind, "failed");
+    EXPECT_NE(bad[0].refusal->detail.find("ifov"), std::string::npos) << bad[0].refusal->detail;
+    EXPECT_FALSE(bad[0].tracks);
+    health.note(bad[0]);
+    ++failed;
+  }
+  EXPECT_EQ(failed, 10);
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(at(11.8), 0, status);
+  bool is_counted = false;
+  for (const auto& value : status.values)
+    is_counted |= value.key == "scans dropped, failed" && value.value == "10";
+  EXPECT_TRUE(is_counted);
+}
+
+TEST_F(TrackerComponent, HealthTellsNoMoreThanSoManySensorsApart) {
+  LocalTrackerHealth health(2.0, {0.5, 0.1});
+  for (int k = 0; k < 3000; ++k)
+    health.noteArrival(*scanAt(10.0 + 0.001 * k, {}, "sensor " + std::to_string(k)), at(10.0 + 0.001 * k));
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(at(13.0), 0, status);
+  EXPECT_LT(status.values.size(), 2000u);
+}
+
 TEST_F(TrackerComponent, ScanWithoutTransformIsReportedOnceItIsGivenUp) {
   auto scan = scanAt(10.0, {0.5, 0.6});
   scan->header.frame_id = "nowhere";

@@ -1,6 +1,7 @@
 #include "sightline/ros/components/track_fusion_component.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -22,6 +23,10 @@ using sightline_ros::ParamError;
 using sightline_ros::ParamReader;
 using sightline_ros::TrackFusionComponent;
 using sightline_ros::TrackFusionHealth;
+
+std::string kindOf(const std::optional<core::Refusal>& refusal) {
+  return refusal ? refusal->kind : "";
+}
 
 core::Time at(double seconds) {
   return core::Time(core::durationOf(seconds));
@@ -113,6 +118,13 @@ TEST(TrackFusionParams, BadValuesAreRefused) {
   }
 }
 
+std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& key) {
+  for (const auto& value : status.values) {
+    if (value.key == key) return value.value;
+  }
+  return "(absent)";
+}
+
 class FusionComponent : public testing::Test {
  protected:
   FusionResult fuse(const sightline::TrackArray& local, const std::string& topic = "") {
@@ -180,9 +192,8 @@ TEST_F(FusionComponent, TrackletsOfAllTrackersMakeTheTrackAndTheReportSaysSo) {
   for (int k = 0; k < 30; ++k) {
     const double stamp = 10.0 + 0.1 * k;
     for (const char* tracker : {"a", "b"}) {
-      EXPECT_EQ(component_.onTracklets(trackletsOf(tracker, stamp, k == 0 ? 0.0 : stamp - 0.1),
-                                       std::string("/") + tracker + "/tracklets", at(stamp)),
-                "");
+      EXPECT_FALSE(component_.onTracklets(trackletsOf(tracker, stamp, k == 0 ? 0.0 : stamp - 0.1),
+                                          std::string("/") + tracker + "/tracklets", at(stamp)));
       result = fuse(tracksOf(tracker, stamp));
     }
   }
@@ -197,26 +208,116 @@ TEST_F(FusionComponent, TrackletsOfAllTrackersMakeTheTrackAndTheReportSaysSo) {
 TEST_F(FusionComponent, TrackletsThatCannotBeUsedAreRefusedWithTheReason) {
   const auto refusal = [this](const sightline::TrackletArray& array,
                               const std::string& topic = "/a/tracklets") {
-    return component_.onTracklets(array, topic, at(10.0));
+    return kindOf(component_.onTracklets(array, topic, at(10.0)));
   };
   sightline::TrackletArray array = trackletsOf("a", 10.0, 0.0);
   array.header.frame_id = "other_ship";
-  EXPECT_EQ(refusal(array).substr(0, 6), "frame:");
-  EXPECT_EQ(refusal(trackletsOf("a", 11.0, 0.0)).substr(0, 7), "future:");
-  EXPECT_EQ(refusal(trackletsOf("my_fusion", 10.0, 0.0)).substr(0, 9), "feedback:");
+  EXPECT_EQ(refusal(array), "frame");
+  EXPECT_EQ(refusal(trackletsOf("a", 11.0, 0.0)), "future");
+  EXPECT_EQ(refusal(trackletsOf("my_fusion", 10.0, 0.0)), "feedback");
   EXPECT_EQ(refusal(trackletsOf("a", 10.0, 0.0)), "");
-  EXPECT_EQ(refusal(trackletsOf("a", 10.0, 9.9), "/elsewhere").substr(0, 5), "name:");
+  EXPECT_EQ(refusal(trackletsOf("a", 10.0, 9.9), "/elsewhere"), "name");
   const auto spoilt = [&](auto spoil) {
     sightline::TrackletArray bad = trackletsOf("a", 10.0, 9.9);
     spoil(bad.tracklets[0]);
     return refusal(bad);
   };
-  EXPECT_EQ(spoilt([](auto& it) { it.covariance[0] = 0.0; }).substr(0, 8), "invalid:");
-  EXPECT_EQ(spoilt([](auto& it) { it.azimuth = 90.0; }).substr(0, 8), "invalid:");
-  EXPECT_EQ(spoilt([](auto& it) { it.sightings = 0.0; }).substr(0, 8), "invalid:");
-  EXPECT_EQ(spoilt([](auto& it) { it.track = 0; }).substr(0, 8), "invalid:");
-  EXPECT_EQ(spoilt([](auto& it) { it.sensor.clear(); }).substr(0, 8), "invalid:");
-  EXPECT_EQ(spoilt([](auto& it) { it.stamp = ros::Time(10.01); }).substr(0, 8), "invalid:");
+  EXPECT_EQ(spoilt([](auto& it) { it.covariance[0] = 0.0; }), "invalid");
+  EXPECT_EQ(spoilt([](auto& it) { it.azimuth = 90.0; }), "invalid");
+  EXPECT_EQ(spoilt([](auto& it) { it.sightings = 0.0; }), "invalid");
+  EXPECT_EQ(spoilt([](auto& it) { it.track = 0; }), "invalid");
+  EXPECT_EQ(spoilt([](auto& it) { it.sensor.clear(); }), "invalid");
+  EXPECT_EQ(spoilt([](auto& it) { it.stamp = ros::Time(10.01); }), "invalid");
+}
+
+TEST_F(FusionComponent, ARateThatBecomesAbsurdIsLeftOutAndTheOthersGoOnUnderEveryRule) {
+  for (const core::FusionRuleEntry& rule : core::fusionRuleTable()) {
+    XmlRpc::XmlRpcValue values;
+    values["rule"] = std::string(rule.name);
+    TrackFusionComponent component{ParamReader(values, "/test"), "fusion"};
+    int published = 0;
+    for (int k = 0; k < 60; ++k) {
+      const double stamp = 10.0 + 0.1 * k, spoilt = std::pow(10.0, 6.0 * (k - 10));
+      for (const char* tracker : {"a", "b", "c"}) {
+        sightline::TrackArray tracks = tracksOf(tracker, stamp);
+        sightline::Track& track = tracks.tracks[0];
+        if (k > 10 && tracker == std::string("c")) {
+          if (k % 3 == 0) track.azimuth_rate = spoilt;
+          if (k % 3 == 1) {
+            for (double& entry : track.covariance) entry *= spoilt;
+          }
+          if (k % 3 == 2) track.azimuth = spoilt;
+        }
+        const FusionResult result = component.onTracks(tracks, "/" + tracks.tracker + "/tracks", at(stamp));
+        ASSERT_TRUE(result.tracks) << rule.name << " " << k;
+        ASSERT_EQ(result.tracks->tracks.size(), 1u) << rule.name << " " << k;
+        EXPECT_EQ(result.tracks->tracks[0].id, 1u) << rule.name;
+        EXPECT_NEAR(result.tracks->tracks[0].azimuth, 0.5, 1e-3) << rule.name;
+        EXPECT_LE(result.tracks->tracks[0].covariance[0], 1e-6 * (1.0 + 1e-9)) << rule.name;
+        ++published;
+      }
+    }
+    EXPECT_EQ(published, 180);
+  }
+}
+
+TEST_F(FusionComponent, TrackletsAtWhichTheEstimatorFailsAreCountedAndTheNodeGoesOn) {
+  XmlRpc::XmlRpcValue values;
+  values["estimator"] = std::string("twbls");
+  values["twbls"]["form"] = std::string("paper");
+  values["twbls"]["paper"]["sensor_weight"] = std::string("ifov");  // which these do not state
+  TrackFusionComponent component{ParamReader(values, "/test"), "fusion"};
+  TrackFusionHealth health({"/a/tracks", "/b/tracks"}, 2.0);
+  FusionResult result;
+  for (int k = 0; k < 30; ++k) {
+    const double stamp = 10.0 + 0.1 * k;
+    for (const char* tracker : {"a", "b"}) {
+      const auto tracklets = trackletsOf(tracker, stamp, k == 0 ? 0.0 : stamp - 0.1);
+      const auto refusal =
+          component.onTracklets(tracklets, std::string("/") + tracker + "/tracklets", at(stamp));
+      EXPECT_FALSE(refusal);
+      health.noteTracklets(tracklets, refusal, component.lateTracklets());
+      const auto tracks = tracksOf(tracker, stamp);
+      result = component.onTracks(tracks, std::string("/") + tracker + "/tracks", at(stamp));
+      ASSERT_FALSE(result.refusal) << core::textOf(*result.refusal);
+      health.note(tracks, std::string("/") + tracker + "/tracks", result);
+      health.noteFailures(component.failedTracklets());
+    }
+  }
+  EXPECT_EQ(result.report->tracks.at(0).rule, "cross_covariance");
+  EXPECT_GT(component.failedTracklets().count, 50u);
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(at(12.9), status);
+  EXPECT_EQ(valueOf(status, "tracklets that an estimator could not take"),
+            std::to_string(component.failedTracklets().count));
+  EXPECT_NE(status.message.find("failed: "), std::string::npos) << status.message;
+}
+
+TEST_F(FusionComponent, ABacklogThatComesAtOnceKeepsTheIdAndTheTime) {
+  for (const double held_for : {5.0, 15.0}) {
+    TrackFusionComponent component{reader_, "fusion"};
+    const auto take = [&](const char* tracker, double stamp, double arrival) {
+      return component.onTracks(tracksOf(tracker, stamp), std::string("/") + tracker + "/tracks",
+                                at(arrival));
+    };
+    double now = 100.0;
+    for (; now < 110.0; now += 0.1) {
+      take("a", now, now);
+      take("b", now, now);
+    }
+    const double begin = now;
+    for (; now < begin + held_for; now += 0.1) take("a", now, now);
+    for (double stamp = begin; stamp < now; stamp += 0.1) {
+      const FusionResult result = take("b", stamp, now + 1e-4 * (stamp - begin));
+      ASSERT_TRUE(result.tracks);
+      ASSERT_EQ(result.tracks->tracks.size(), 1u) << held_for;
+      EXPECT_EQ(result.tracks->tracks[0].id, 1u) << held_for;
+      EXPECT_NEAR(result.tracks->header.stamp.toSec(), now - 0.1, 1e-6) << held_for;
+    }
+    const FusionResult result = take("a", now, now + 0.01);
+    EXPECT_EQ(result.tracks->tracks.at(0).sources, (std::vector<std::string>{"a", "b"})) << held_for;
+    EXPECT_EQ(result.tracks->tracks.at(0).id, 1u);
+  }
 }
 
 TEST_F(FusionComponent, GarbageIsLeftOutInTheReportWithItsReason) {
@@ -237,37 +338,57 @@ TEST_F(FusionComponent, TracksFromAnotherFrameAreRefusedWithTheReason) {
   elsewhere.header.frame_id = "other_ship";
   const FusionResult result = fuse(elsewhere);
   EXPECT_FALSE(result.tracks);
-  EXPECT_NE(result.refusal.find("\"other_ship\", not in \"platform_enu\""), std::string::npos)
-      << result.refusal;
+  ASSERT_TRUE(result.refusal);
+  EXPECT_NE(result.refusal->detail.find("\"other_ship\", not in \"platform_enu\""), std::string::npos)
+      << result.refusal->detail;
   ASSERT_EQ(result.report->left_out.size(), 1u);
-  EXPECT_EQ(result.report->left_out[0].reason, result.refusal);
+  EXPECT_EQ(result.report->left_out[0].reason, core::textOf(*result.refusal));
   EXPECT_EQ(result.report->tracks.size(), 1u) << "the rest is as it was";
 }
 
 TEST_F(FusionComponent, StampsFromTheFutureAreRefusedUnlessTheClockIsNotKnown) {
   const FusionResult result = component_.onTracks(tracksOf("a", 10.5), "/a/tracks", at(10.0));
-  EXPECT_EQ(result.refusal.substr(0, 7), "future:");
+  EXPECT_EQ(kindOf(result.refusal), "future");
   EXPECT_FALSE(result.tracks);
   EXPECT_TRUE(component_.onTracks(tracksOf("a", 10.05), "/a/tracks", at(10.0)).tracks);
   EXPECT_TRUE(component_.onTracks(tracksOf("a", 99.0), "/a/tracks", core::Time{}).tracks);
 }
 
 TEST_F(FusionComponent, OwnTracksAreRefused) {
-  EXPECT_EQ(fuse(tracksOf("my_fusion", 10.0)).refusal.substr(0, 9), "feedback:");
+  EXPECT_EQ(kindOf(fuse(tracksOf("my_fusion", 10.0)).refusal), "feedback");
 }
 
 TEST_F(FusionComponent, NameThatAnotherTopicUsesIsRefusedUntilThatFallsSilent) {
-  EXPECT_EQ(fuse(tracksOf("tracker", 10.0), "/a").refusal, "");
-  EXPECT_EQ(fuse(tracksOf("tracker", 10.1), "/b").refusal.substr(0, 5), "name:");
-  EXPECT_EQ(fuse(tracksOf("tracker", 10.2), "/a").refusal, "");
-  EXPECT_EQ(fuse(tracksOf("tracker", 11.3), "/b").refusal, "") << "moved";
+  EXPECT_EQ(kindOf(fuse(tracksOf("tracker", 10.0), "/a").refusal), "");
+  EXPECT_EQ(kindOf(fuse(tracksOf("tracker", 10.1), "/b").refusal), "name");
+  EXPECT_EQ(kindOf(fuse(tracksOf("tracker", 10.2), "/a").refusal), "");
+  EXPECT_EQ(kindOf(fuse(tracksOf("tracker", 11.3), "/b").refusal), "") << "moved";
 }
 
 TEST_F(FusionComponent, LateTracksAreRefused) {
   fuse(tracksOf("a", 10.0));
   const FusionResult result = fuse(tracksOf("a", 9.9));
-  EXPECT_EQ(result.refusal.substr(0, 5), "late:");
+  EXPECT_EQ(kindOf(result.refusal), "late");
   EXPECT_FALSE(result.tracks);
+}
+
+TEST_F(FusionComponent, SimulatedTimeThatStepsBackALittleForgetsNothingAndALotEverything) {
+  EXPECT_FALSE(component_.onSimulatedTime(at(100.0)));
+  EXPECT_EQ(fuse(tracksOf("a", 100.0)).tracks->tracks.at(0).id, 1u);
+  for (const double now : {99.73, 100.1, 99.83, 99.2, 100.2})
+    EXPECT_FALSE(component_.onSimulatedTime(at(now)));
+  EXPECT_EQ(fuse(tracksOf("a", 100.2)).tracks->tracks.at(0).id, 1u);
+  for (const double now : {99.9, 99.6, 99.3}) EXPECT_FALSE(component_.onSimulatedTime(at(now)));
+  EXPECT_NEAR(component_.onSimulatedTime(at(99.1)).value_or(0.0), 1.1, 1e-9) << "little by little is a lot";
+  EXPECT_FALSE(component_.onSimulatedTime(at(99.0)));
+  EXPECT_EQ(fuse(tracksOf("a", 99.0)).tracks->tracks.at(0).id, 2u);
+  EXPECT_NEAR(component_.onSimulatedTime(at(10.0)).value_or(0.0), 89.1, 1e-9);
+}
+
+TEST_F(FusionComponent, AReportRefusedBeforeAllOthersHasItsOwnStamp) {
+  sightline::TrackArray elsewhere = tracksOf("b", 10.0);
+  elsewhere.header.frame_id = "other_ship";
+  EXPECT_EQ(fuse(elsewhere).report->header.stamp, ros::Time(10.0));
 }
 
 TEST_F(FusionComponent, ResetStartsAgainWithNewIds) {
@@ -276,13 +397,6 @@ TEST_F(FusionComponent, ResetStartsAgainWithNewIds) {
   const FusionResult result = fuse(tracksOf("a", 10.0));
   ASSERT_TRUE(result.tracks);
   EXPECT_EQ(result.tracks->tracks.at(0).id, 2u);
-}
-
-std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& key) {
-  for (const auto& value : status.values) {
-    if (value.key == key) return value.value;
-  }
-  return "(absent)";
 }
 
 TEST_F(FusionComponent, HealthShowsRatesAgesTracksAndReasons) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "sightline/core/model/sphere.h"
@@ -61,6 +62,27 @@ TEST(TrackletMessages, FirstReportOfATrackerHasNothingBefore) {
   first.since.reset();
   EXPECT_TRUE(sightline_ros::toMessage(first, "f").since.isZero());
   EXPECT_FALSE(sightline_ros::readTracklets(sightline_ros::toMessage(first, "f")).report.since);
+}
+
+TEST(TrackletMessages, VeryElongatedSightingsGoThroughAMessageWhateverTheRounding) {
+  int elongated = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const double turn = 0.0031 * k, short_sigma = std::pow(10.0, -8.5 + 0.003 * k), long_sigma = 1.0;
+    core::TrackletReport one = report();
+    one.tracklets.resize(1);
+    const Eigen::Matrix3d R =
+        (Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitX()))
+            .toRotationMatrix();
+    const Eigen::Vector2d variances(long_sigma * long_sigma, short_sigma * short_sigma);
+    one.tracklets[0].tracklet.sighting =
+        core::rotate(core::sightingOf({0.0, 0.0}, variances.asDiagonal()), R);
+    const auto message = sightline_ros::toMessage(one, "platform_enu");
+    const auto& covariance = message.tracklets[0].covariance;
+    if (covariance[0] * covariance[3] <= covariance[1] * covariance[2]) ++elongated;
+    const auto read = sightline_ros::readTracklets(message);
+    ASSERT_FALSE(read.refusal) << core::textOf(*read.refusal) << " turn " << turn << " sigma " << short_sigma;
+  }
+  EXPECT_GT(elongated, 10) << "of which rounding takes the positive determinant";
 }
 
 TEST(TrackletMessages, OneThatCannotBeUsedIsRefusedByNameAndTheOthersAreKept) {

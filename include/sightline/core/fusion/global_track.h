@@ -14,6 +14,7 @@
 #include "sightline/core/fusion/rules/fusion_rules.h"
 #include "sightline/core/fusion/tracker_misalignment.h"
 #include "sightline/core/model/chart.h"
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/track.h"
 
@@ -26,8 +27,8 @@ struct Supporter {
   Time reported{};     ///< stamp of that report
   AngularState state;  ///< the same in the global track's chart, predicted to its time
   Eigen::Vector2d density = Eigen::Vector2d::Zero();  ///< of white acceleration, for predictions [rad^2/s^3]
-  std::string unusable;      ///< why it does not count at the moment ("kind: details"); empty when it does
-  bool contributed = false;  ///< to the last fusion
+  std::optional<Refusal> unusable;        ///< why it does not count at the moment; nullopt when it does
+  bool contributed = false;               ///< to the last fusion
   std::optional<Time> contradicts_since;  ///< when it began to contradict the others
   std::optional<Time> misplaced_since;    ///< when another place began to be better for it, or it for another
   /// From the other usable supporters taken together, at the last look [1]; NaN = there are none.
@@ -65,8 +66,8 @@ class GlobalTrack {
   /// Whether the supporter is in the right place; if not, since when is remembered, and returned.
   std::optional<Time> setMisplaced(std::size_t supporter, bool is_misplaced);
 
-  /// Says that the supporter does not count at the moment, or (empty) that it does.
-  void setUnusable(std::size_t supporter, const std::string& why);
+  /// Says that the supporter does not count at the moment, or (nullopt) that it does.
+  void setUnusable(std::size_t supporter, std::optional<Refusal> why);
 
   /// Takes over all supporters of another track at the same time; no tracker may be in both.
   void absorb(const GlobalTrack& other);

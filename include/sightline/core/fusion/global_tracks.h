@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,8 +50,13 @@ class GlobalTracks {
   /// tracker whose report is new. Starts again when the trackers' stamps do.
   void follow(const LocalReports& reports, const std::string& reporting);
 
-  /// Continues the global track without supporters that this local track supported before; else starts one,
-  /// when the local track is confirmed and `max_tracks` allows it.
+  /// The global track without supporters that this local track supported last, and would continue; size() of
+  /// the entries when there is none.
+  std::size_t formerOf(const LocalKey& key, const LocalTrack& local) const;
+
+  /// Continues the global track that this local track supported before, also when it was deleted meanwhile:
+  /// under its id. Else starts one. Nothing is done unless the local track is confirmed and `max_tracks`
+  /// allows it.
   void start(const LocalKey& key, const LocalTrack& local);
 
   /// Each pair of entries becomes one, under the older's id.
@@ -70,11 +77,22 @@ class GlobalTracks {
  private:
   void followReports(GlobalTrackEntry& entry, const LocalReports& reports, const std::string& reporting);
 
+  /// A local track of a global one that has been deleted.
+  struct Retired {
+    LocalKey key;
+    std::uint32_t hits = 0;  // when it was reported last
+    std::uint32_t id = 0;    // of the global track
+  };
+
+  void retire(const GlobalTrackEntry& entry);
+  std::optional<std::uint32_t> retiredIdOf(const LocalKey& key, const LocalTrack& local);
+
   TrackFusionParams params_;
   DistanceThresholds thresholds_;
   Time time_{};
   std::uint32_t next_id_ = 1;
   std::vector<GlobalTrackEntry> entries_;
+  std::deque<Retired> retired_;  // the last ones
 };
 
 }  // namespace sightline::core

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/track.h"
 
@@ -36,8 +37,8 @@ struct LocalKey {
 /// A local track as last reported.
 struct LocalTrack {
   Track track;
-  Time time{};          ///< of the report
-  std::string invalid;  ///< "invalid: why it cannot be used"; empty when it can
+  Time time{};                     ///< of the report
+  std::optional<Refusal> invalid;  ///< why it cannot be used; nullopt when it can
 };
 
 struct LocalReportsParams {
@@ -51,27 +52,36 @@ struct LocalReportsParams {
 /// The newest report of every local tracker, kept straight through late messages and restarts.
 ///
 /// A report older than its tracker's last one is refused, unless by more than `max_age`: then the tracker has
-/// started again and its stamps with it. The common time is the newest stamp among the trackers' last
-/// reports. A tracker that died ahead of the others' new time (a recording played in a loop) does not hold
-/// them up for long: once another has reported for three times `max_age` without anybody near the common
-/// time, those ahead are forgotten.
+/// started again and its stamps with it. The common time is the newest stamp reported; it goes back when no
+/// tracker is within `max_age` of it any more. A tracker that died ahead of the others' new time (a recording
+/// played in a loop) does not hold them up for long: once another has reported for three times `max_age`
+/// while nobody near the common time has, those ahead are forgotten. Where the clock of arrival is known it
+/// must have gone on for so long, too: a backlog that comes at once, of a tracker that was held up, says
+/// nothing of the others. Where it is not known, only a tracker whose own stamps went back counts.
 class LocalReports {
  public:
+  /// A report's stamp, and when it arrived.
+  struct Instant {
+    Time stamp{};
+    std::optional<Time> arrival;  ///< nullopt = not known
+  };
   struct Tracker {
     Time time{};
     double interval = 0.0;  ///< usual time between its reports [s]; 0 = not known yet
     std::map<std::uint32_t, LocalTrack> tracks;
-    std::map<std::uint32_t, std::string> surplus;  ///< tracks that were not taken over: why
-    std::optional<Time> behind_since;              ///< its stamp when it first lagged behind the common time
+    std::map<std::uint32_t, Refusal> surplus;  ///< tracks that were not taken over: why
+    bool went_back = false;                    ///< its stamps, and it has not been near the common time since
+    std::optional<Instant> behind_since;       ///< when it first lagged behind the common time
   };
 
   explicit LocalReports(const LocalReportsParams& params) : params_(params) {}
 
-  /// Takes a report. Returns why it was refused ("kind: details"), or nothing.
-  std::string take(const LocalReport& report);
+  /// Takes a report; `arrival`: when it came, by any clock that goes on by itself. Returns why it was
+  /// refused, or nothing.
+  std::optional<Refusal> take(const LocalReport& report, std::optional<Time> arrival = std::nullopt);
 
-  /// The newest stamp of all; the epoch before the first report. It can go back when trackers start again.
-  Time newest() const;
+  /// The common time; the epoch before the first report. It can go back when trackers start again.
+  Time newest() const { return newest_; }
 
   /// How much older than the newest [s].
   double age(Time time) const { return seconds(newest() - time); }
@@ -79,9 +89,8 @@ class LocalReports {
   /// How old a report of this tracker may be and still count [s].
   double maxAge(const std::string& tracker) const;
 
-  /// Why a track of this tracker does not count ("kind: details"): invalid, tentative or stale. Empty when it
-  /// does.
-  std::string whyUnusable(const std::string& tracker, const LocalTrack& local) const;
+  /// Why a track of this tracker does not count: invalid, tentative or stale. nullopt when it does.
+  std::optional<Refusal> whyUnusable(const std::string& tracker, const LocalTrack& local) const;
 
   /// By name.
   const std::map<std::string, Tracker>& trackers() const { return trackers_; }
@@ -90,13 +99,18 @@ class LocalReports {
   const LocalTrack* find(const LocalKey& key) const;
 
  private:
-  std::string refusal(const LocalReport& report) const;
+  std::optional<Refusal> refusalOf(const LocalReport& report) const;
+  bool hasGoneBack(const LocalReport& report) const;
   void replace(Tracker& tracker, const LocalReport& report) const;
   void forgetSilent(const std::string& reporting);
-  void forgetThoseAhead(const std::string& reporting);
+  void forgetThoseAhead(const std::string& reporting, std::optional<Time> arrival);
+  bool isAloneForLong(const Tracker& tracker, std::optional<Time> arrival) const;
+  void updateNewest();
 
   LocalReportsParams params_;
   std::map<std::string, Tracker> trackers_;
+  std::map<std::string, Time> forgotten_;  // last stamps of silent trackers; at most `max_trackers`
+  Time newest_{};
 };
 
 }  // namespace sightline::core

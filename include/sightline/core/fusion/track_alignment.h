@@ -1,10 +1,10 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include <Eigen/Core>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/sphere.h"
 
 /// Local tracks brought to a common time. Coordinates are those of one chart throughout.
@@ -28,10 +28,15 @@ Eigen::Vector2d impliedProcessNoise(const Eigen::Matrix4d& covariance);
 /// Largest density / position variance that is believed [1/s^3]: a memory of about 6 ms.
 constexpr double kLargestDensityRatio = 1e6;
 
-/// Why a reported state cannot be used; nullopt when it can. Refused: a mean that is not finite or off the
-/// sphere (degrees?), a covariance that is not finite, not symmetric, not positive definite (zero: truth?),
-/// or whose smallest position sigma on the sphere is below 1e-9 rad or above pi/2 rad. One large sigma is
-/// welcome: a sensor that sees the azimuth alone leaves the elevation open.
-std::optional<std::string> rejectionOf(const AngularState& state);
+/// Why a reported state cannot be used (invalid); nullopt when it can. Refused: a mean that is not finite or
+/// off the sphere (degrees?), a covariance that is not finite, not symmetric, not positive definite (zero:
+/// truth?), or whose smallest position sigma on the sphere is below 1e-9 rad or above pi/2 rad; and what no
+/// target can have and no computation can carry: a rate on the sphere above 1e4 rad/s, a sigma above 1e3 rad
+/// or 1e6 rad/s. One large sigma is welcome: a sensor that sees the azimuth alone leaves the elevation open.
+std::optional<Refusal> rejectionOf(const AngularState& state);
+
+/// The larger of the position's two sigmas on the sphere, where azimuth shrinks with the cosine of the
+/// elevation [rad].
+double largestPositionSigma(const AngularState& state);
 
 }  // namespace sightline::core

@@ -26,8 +26,9 @@ class TrackAssociation {
   void learnMisalignment(const GlobalTracks& tracks, const std::string& reporting);
 
   /// Supporters that contradict the others do not count; those that have contradicted them for `leave_after`
-  /// are removed.
-  void splitContradicting(GlobalTracks& tracks, const std::string& reporting) const;
+  /// are removed, unless a biased sensor explains it.
+  void splitContradicting(GlobalTracks& tracks, const TrackletMemory& memory,
+                          const std::string& reporting) const;
 
   /// Moves those of the tracker's supporters that have supported the wrong global track for `leave_after`
   /// (their tracker took one target for another, or started a second track), all of a group at once. A free
@@ -37,9 +38,10 @@ class TrackAssociation {
 
   /// Finds a global track for each free local track of the tracker, by optimal assignment; with `merge` also
   /// for the global tracks that it supports already, which then become one with the one found. A local track
-  /// for which none is found starts a global track.
-  void associate(GlobalTracks& tracks, const LocalReports& reports, const std::string& tracker,
-                 bool merge) const;
+  /// for which none is found starts a global track, unless it is what a biased sensor shows of the target of
+  /// one that its tracker has supported: then it supports that, and contradicts, or waits for the place.
+  void associate(GlobalTracks& tracks, const LocalReports& reports, const TrackletMemory& memory,
+                 const std::string& tracker, bool merge);
 
   /// Free local tracks whose place another supporter still has: the global track's id.
   const std::map<LocalKey, std::uint32_t>& waiting() const { return waiting_; }
@@ -57,6 +59,8 @@ class TrackAssociation {
   void move(const std::vector<SupporterMove>& moves, GlobalTracks& tracks, const LocalReports& reports,
             const TrackletMemory& memory) const;
   void wait(const std::vector<SupporterMove>& moves, const GlobalTracks& tracks);
+  void start(const LocalKey& key, GlobalTracks& tracks, const LocalReports& reports,
+             const TrackletMemory& memory);
 
   TrackFusionParams params_;
   DistanceThresholds thresholds_;

@@ -22,20 +22,26 @@ struct CombinedState {
   std::vector<double> shares;  ///< in the fused position, of contributors.used, summing to one
 };
 
+/// Tracklets that were not used.
+struct TrackletLosses {
+  std::size_t late = 0;     ///< they came too late
+  TrackletFailures failed;  ///< the estimator could not take them
+};
+
 /// Gives the supporters' new tracklets to the global track, in which those of a faulty sensor are found;
 /// where that cannot be told, those of a supporter that contradicts the others are taken back from when that
-/// began. Returns how many tracklets came too late.
-std::size_t feedTracklets(GlobalTrackEntry& entry, const TrackletMemory& memory,
-                          const TrackFusionParams& params);
+/// began.
+TrackletLosses feedTracklets(GlobalTrackEntry& entry, const TrackletMemory& memory,
+                             const TrackFusionParams& params);
 
 /// The state by the configured rule; `best` decides for the track what its inputs allow. Says in the entry's
-/// report why not tracklets.
+/// report why not tracklets. Without a solution that is finite and positive definite nobody contributes.
 CombinedState combine(GlobalTrackEntry& entry, const TrackletMemory& memory, const TrackFusionParams& params,
                       const DistanceThresholds& thresholds);
 
 /// The whole step: tracklets, sensors that are biased, the new state and its report. `reporting` is the
-/// tracker whose report caused it. Returns how many tracklets came too late.
-std::size_t fuse(GlobalTrackEntry& entry, const std::string& reporting, const TrackletMemory& memory,
-                 const TrackFusionParams& params, const DistanceThresholds& thresholds);
+/// tracker whose report caused it.
+TrackletLosses fuse(GlobalTrackEntry& entry, const std::string& reporting, const TrackletMemory& memory,
+                    const TrackFusionParams& params, const DistanceThresholds& thresholds);
 
 }  // namespace sightline::core

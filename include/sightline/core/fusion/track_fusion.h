@@ -1,14 +1,16 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
+#include <optional>
 
 #include "sightline/core/fusion/fusion_report.h"
 #include "sightline/core/fusion/global_tracks.h"
 #include "sightline/core/fusion/local_reports.h"
 #include "sightline/core/fusion/track_association.h"
+#include "sightline/core/fusion/track_combination.h"
 #include "sightline/core/fusion/track_fusion_params.h"
 #include "sightline/core/fusion/tracklets/tracklet_memory.h"
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/tracklet.h"
 
 namespace sightline::core {
@@ -38,15 +40,19 @@ class TrackFusion {
   /// Throws std::invalid_argument for parameters out of their range.
   explicit TrackFusion(const TrackFusionParams& params);
 
-  /// Takes a report and fuses. Never throws for what is in it; at most one report of a tracker is remembered.
-  FusionReport onReport(const LocalReport& report);
+  /// Takes a report and fuses; `arrival`: when it came, by any clock that goes on by itself. Never throws for
+  /// what is in it; at most one report of a tracker is remembered.
+  FusionReport onReport(const LocalReport& report, std::optional<Time> arrival = std::nullopt);
 
   /// Takes tracklets of a local tracker, for the fusions that follow; best before its tracks of the same
-  /// stamp. Returns why they were refused ("kind: details"), or nothing.
-  std::string onTracklets(const TrackletReport& report);
+  /// stamp. Returns why they were refused, or nothing.
+  std::optional<Refusal> onTracklets(const TrackletReport& report);
 
   /// Tracklets that came too late to be used.
-  std::size_t lateTracklets() const { return late_tracklets_; }
+  std::size_t lateTracklets() const { return losses_.late; }
+
+  /// Tracklets that an estimator could not take.
+  const TrackletFailures& failedTracklets() const { return losses_.failed; }
 
   /// Forgets all reports and tracks; ids go on.
   void reset();
@@ -59,7 +65,7 @@ class TrackFusion {
   GlobalTracks tracks_;
   TrackAssociation association_;
   FusionReport latest_;
-  std::size_t late_tracklets_ = 0;
+  TrackletLosses losses_;
 };
 
 }  // namespace sightline::core

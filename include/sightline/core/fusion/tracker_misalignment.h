@@ -32,7 +32,7 @@ class TrackerMisalignment {
 
  private:
   double least_;                             // [rad]
-  std::map<std::string, double> variances_;  // [rad^2]
+  std::map<std::string, double> variances_;  // [rad^2]; at most 256
 };
 
 }  // namespace sightline::core

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "sightline/core/model/field_of_view.h"
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 
 namespace sightline::core {
@@ -43,11 +44,11 @@ Eigen::Matrix2d anglesCovariance(const Sighting& sighting);
 /// The same sighting in a frame turned by R_to_from.
 Sighting rotate(const Sighting& sighting, const Eigen::Matrix3d& R_to_from);
 
-/// Why a sighting cannot be used, naming the field, the value and the remedy; nullopt when it can.
+/// Why a sighting cannot be used (invalid), naming the field, the value and the remedy; nullopt when it can.
 /// Refused: an angle that is not finite or out of range (|azimuth| > 2 pi, |elevation| > pi/2: degrees for
 /// radians?), a covariance that is not finite, not symmetric, or not positive definite (zero means nothing
 /// here), a sigma on the sphere below 1e-9 rad or above pi/2 rad.
-std::optional<std::string> rejectionOf(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance);
+std::optional<Refusal> rejectionOf(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance);
 
 /// Covariance of the white noise of a sighting whose stated covariance is `R` [rad^2]: each coordinate's
 /// standard deviation times the root of its `noise_scale` [1].

@@ -50,7 +50,8 @@ struct WatchedStamps {
 /// on. A sensor whose stamps leap ahead is held back: until most of the active sensors are there, too (a
 /// pause: all its scans are used), or until another one goes on where it was (then it is the odd one out, and
 /// its scans are dropped until it agrees again). Stamps that go back are late and nothing else, unless most
-/// of the active sensors do so: then time went back.
+/// of the active sensors do so: then time went back. Stamps that go to and fro are those of one sensor, whose
+/// late scans are late.
 ///
 /// For input that arrives within `max_lag` all scans are used, whatever the order of arrival.
 class StampWatch {
@@ -83,6 +84,7 @@ class StampWatch {
     Duration way{};            // that clock at `newest`
     Time front_then{};         // the line's, when its stamps went back
     int behind = 0;            // scans in a row behind the line, since its stamps went back
+    int steady = 0;            // scans since its stamps went back
     double offset = 0.0;       // how far it was off the line, last [s]
     bool is_reported = false;  // that it is off the line
   };
@@ -92,6 +94,7 @@ class StampWatch {
     Time stamp{};
   };
 
+  void forgetLongestSilent();
   void noteStamp(Sensor& sensor, Time stamp, bool is_new);
   bool isJump(const Sensor& sensor, Time stamp, bool is_new) const;
   bool isAlive(const Sensor& sensor) const;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <sightline/AssociationArray.h>
@@ -13,6 +14,7 @@
 
 #include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
+#include "sightline/core/ordering/recoverable.h"
 #include "sightline/core/ordering/stamp_watch.h"
 #include "sightline/core/tracking/local_tracker.h"
 #include "sightline/core/tracking/tracklet_builder.h"
@@ -35,7 +37,8 @@ struct TrackerReport {
 };
 
 /// A local tracker from message to message, without a node round it: frame change, then the tracker of the
-/// core. Node, nodelet and offline replay hold one each.
+/// core. Node, nodelet and offline replay hold one each. A scan at which the tracker fails is refused, and
+/// the tracker goes on from the state before it; one that fails at every scan for long starts anew.
 class LocalTrackerComponent {
  public:
   /// Reads all parameters of the tracker at this level of `reader` but `sighting_topics`; the caller calls
@@ -62,16 +65,16 @@ class LocalTrackerComponent {
   std::vector<sightline::core::WatchedStamps> stamps() const { return stamps_.sensors(); }
 
   /// Verdicts on the sensors that have been compared with others.
-  std::vector<sightline::core::WatchedSensor> sensors() const { return tracker_.sensors(); }
+  std::vector<sightline::core::WatchedSensor> sensors() const { return tracking_.state().tracker.sensors(); }
 
   /// What has been learnt of each sensor's noise.
   const std::vector<sightline::core::CalibratedSensor>& calibratedSensors() const {
-    return tracker_.calibratedSensors();
+    return tracking_.state().tracker.calibratedSensors();
   }
 
   /// What has been learnt of how each sensor sees targets, and what is none.
   const std::vector<sightline::core::CalibratedDetection>& detection() const {
-    return tracker_.detection().sensors();
+    return tracking_.state().tracker.detection().sensors();
   }
 
   std::size_t waiting() const { return frames_.waiting(); }
@@ -83,11 +86,28 @@ class LocalTrackerComponent {
   double tfTimeout() const { return frames_.params().tf_timeout; }  ///< [s]
 
  private:
+  /// What a scan changes.
+  struct Tracking {
+    sightline::core::LocalTracker tracker;
+    std::optional<sightline::core::TrackletBuilder> tracklets;  // none: not enabled
+  };
+  /// A scan, or the clock where no scan comes.
+  using Input = std::variant<sightline::core::Scan, sightline::core::Time>;
+  struct Answer {
+    sightline::core::ScanReport report;  // of a scan
+    std::optional<sightline::core::TrackletReport> tracklets;
+  };
+
+  static Answer handle(Tracking& tracking, const Input& input);
+  static std::size_t sizeOf(const Input& input);
+
   LocalTrackerComponent(const sightline::core::LocalTrackerParams& tracker,
                         const sightline::core::TrackletParams& tracklets, const FrameChangeParams& frames,
                         std::string name, const tf2::BufferCore& transforms);
 
   void admit(FramedScan framed, sightline::core::Time now, std::vector<TrackerReport>& reports);
+  void startTrackerAnew(sightline::core::Time time);
+  sightline::core::Refusal failed(const sightline::SightingArray& scan);
   TrackerReport track(FramedScan& framed);
   TrackerReport refuse(FramedScan& framed, sightline::core::Refusal refusal, const std::string& reason) const;
   TrackerReport withAssociations(TrackerReport report, FramedScan& framed,
@@ -100,8 +120,7 @@ class LocalTrackerComponent {
   double max_lag_;
   FrameChange frames_;
   sightline::core::StampGate<FramedScan> stamps_;
-  sightline::core::LocalTracker tracker_;
-  std::optional<sightline::core::TrackletBuilder> tracklets_;  // none: not enabled
+  sightline::core::Recoverable<Tracking, Input, Answer> tracking_;
 };
 
 }  // namespace sightline_ros

@@ -82,6 +82,7 @@ class LocalTrackerHealth {
     std::optional<sightline::core::Time> last_warning;
   };
 
+  Sensor& sensorOf(const std::string& name);
   void examine(sightline::core::Time now);
   void addStarts(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void addSensor(const std::string& name, const Sensor& sensor, sightline::core::Time now, double elapsed,

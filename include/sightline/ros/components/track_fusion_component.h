@@ -2,7 +2,10 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
+#include <variant>
 
 #include <sightline/FusionReport.h>
 #include <sightline/TrackArray.h>
@@ -10,6 +13,8 @@
 #include <std_msgs/Header.h>
 
 #include "sightline/core/fusion/track_fusion.h"
+#include "sightline/core/model/refusal.h"
+#include "sightline/core/ordering/recoverable.h"
 #include "sightline/ros/params/param_reader.h"
 
 namespace sightline_ros {
@@ -18,15 +23,18 @@ namespace sightline_ros {
 struct FusionResult {
   sightline::TrackArray::Ptr tracks;  ///< the global tracks; null when the message was refused
   sightline::FusionReport::Ptr
-      report;           ///< who made them; when the message was refused, again with its tracks left out
-  std::string refusal;  ///< "kind: details"; empty when the message was used
+      report;  ///< who made them; when the message was refused, again with its tracks left out
+  std::shared_ptr<const sightline::core::FusionReport> fused;  ///< what `report` says, of the core
+  std::optional<sightline::core::Refusal> refusal;             ///< nullopt when the message was used
 };
 
 /// A track fusion from message to message, without a node round it. Node, nodelet and offline replay hold one
 /// each.
 ///
 /// Refused are tracks in another frame than `tracking_frame` (directions seen from another origin cannot be
-/// fused), from the future, of this fusion itself, or under a name that another topic uses already.
+/// fused), from the future, of this fusion itself, or under a name that another topic uses already. A message
+/// at which the fusion fails is refused, and the fusion goes on from the state before it; one that fails at
+/// every message for long forgets its tracks.
 class TrackFusionComponent {
  public:
   /// Reads all parameters of the fusion at this level of `reader` but `track_topics` and those of the node;
@@ -34,19 +42,31 @@ class TrackFusionComponent {
   /// ParamError.
   TrackFusionComponent(const ParamReader& reader, const std::string& name);
 
-  /// Takes the tracks of one local tracker that came on `topic`; `now` is the clock, 0 = not known.
+  /// Takes the tracks of one local tracker that came on `topic`; `now` is the clock at its arrival, 0 = not
+  /// known.
   FusionResult onTracks(const sightline::TrackArray& local, const std::string& topic,
                         sightline::core::Time now);
 
   /// Takes the tracklets of one local tracker that came on `topic`, for the fusions that follow. Returns why
-  /// they, or some of them, were refused; empty when they were not.
-  std::string onTracklets(const sightline::TrackletArray& local, const std::string& topic,
-                          sightline::core::Time now);
+  /// they, or some of them, were refused; nullopt when they were not.
+  std::optional<sightline::core::Refusal> onTracklets(const sightline::TrackletArray& local,
+                                                      const std::string& topic, sightline::core::Time now);
 
   /// Whether the rule can make use of tracklets.
   bool wantsTracklets() const;
 
-  std::size_t lateTracklets() const { return fusion_.lateTracklets(); }  ///< too late to be used
+  std::size_t lateTracklets() const { return fusion_.state().lateTracklets(); }  ///< too late to be used
+
+  /// Tracklets that an estimator could not take.
+  const sightline::core::TrackletFailures& failedTracklets() const {
+    return fusion_.state().failedTracklets();
+  }
+
+  /// Simulated time is `now`. When it has gone back by more than tracklets may be late (a recording in a loop),
+  /// forgets everything but the ids and returns by how much [s]; nullopt else, as such a step is none.
+  std::optional<double> onSimulatedTime(sightline::core::Time now);
+
+  double maxLag() const { return params_.tracklets.max_lag; }  ///< lateness of tracklets that are used [s]
 
   /// Forgets everything but the ids: time started again.
   void reset();
@@ -64,11 +84,23 @@ class TrackFusionComponent {
 
   using Origins = std::map<std::string, Origin>;  // by tracker; at most as many as the fusion knows
 
-  std::string refusalOf(const std::string& tracker, const std_msgs::Header& header, const std::string& topic,
-                        const Origins& origins, sightline::core::Time now) const;
+  /// A report of tracks, and when it came.
+  struct Arrival {
+    sightline::core::LocalReport report;
+    std::optional<sightline::core::Time> time;
+  };
+  using Input = std::variant<Arrival, sightline::core::TrackletReport>;
+  using Answer = std::variant<sightline::core::FusionReport, std::optional<sightline::core::Refusal>>;
+
+  static Answer handle(sightline::core::TrackFusion& fusion, const Input& input);
+  static std::size_t sizeOf(const Input& input);
+  sightline::core::Refusal failed(const std::string& tracker);
+  std::optional<sightline::core::Refusal> refusalOf(const std::string& tracker,
+                                                    const std_msgs::Header& header, const std::string& topic,
+                                                    const Origins& origins, sightline::core::Time now) const;
   void note(const std::string& tracker, const std_msgs::Header& header, const std::string& topic,
             Origins& origins) const;
-  FusionResult refused(const sightline::TrackArray& local, const std::string& why) const;
+  FusionResult refused(const sightline::TrackArray& local, const sightline::core::Refusal& why) const;
   sightline::TrackArray::Ptr trackArray(const sightline::core::FusionReport& fused) const;
   sightline::FusionReport::Ptr fusionReport(const sightline::core::FusionReport& fused) const;
 
@@ -76,9 +108,10 @@ class TrackFusionComponent {
   std::string tracking_frame_;
   double max_future_;  // [s]
   sightline::core::TrackFusionParams params_;
-  sightline::core::TrackFusion fusion_;
-  sightline::core::FusionReport latest_;
+  sightline::core::Recoverable<sightline::core::TrackFusion, Input, Answer> fusion_;
+  std::shared_ptr<const sightline::core::FusionReport> latest_;  // never null
   Origins origins_, tracklet_origins_;
+  sightline::core::Time latest_now_{};  // of simulated time, since it went back last
 };
 
 }  // namespace sightline_ros

@@ -12,6 +12,7 @@
 #include <sightline/TrackArray.h>
 #include <sightline/TrackletArray.h>
 
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 #include "sightline/ros/components/track_fusion_component.h"
 #include "sightline/ros/params/param_reader.h"
@@ -31,8 +32,12 @@ class TrackFusionHealth {
 
   void note(const sightline::TrackArray& local, const std::string& topic, const FusionResult& result);
 
-  /// What became of a message of tracklets; `late` of all were too late so far.
-  void noteTracklets(const sightline::TrackletArray& local, const std::string& refusal, std::size_t late);
+  /// What became of a message of tracklets; of all, `late` were too late so far.
+  void noteTracklets(const sightline::TrackletArray& local,
+                     const std::optional<sightline::core::Refusal>& refusal, std::size_t late);
+
+  /// Tracklets that estimators could not take, of all so far.
+  void noteFailures(const sightline::core::TrackletFailures& failures);
 
   /// Lines for the log about sensors whose verdict changed with this result, at most one in five seconds of
   /// `now` for each sensor; recoveries are always said.
@@ -57,7 +62,7 @@ class TrackFusionHealth {
     std::uint64_t count = 0;
     std::uint64_t count_before = 0;  // at the last diagnosis
     std::uint64_t count_warned = 0;  // at the last warning
-    std::string latest;              // "kind: details"
+    std::string latest;              // its details
     std::optional<sightline::core::Time> last_warning;
   };
 
@@ -66,9 +71,9 @@ class TrackFusionHealth {
     std::optional<sightline::core::Time> last_line;
   };
 
-  void complain(const std::string& reason);
+  void complain(const sightline::core::Refusal& reason);
   void noteSensors(const sightline::FusedTrack& track);
-  void noteLeftOut(const std::vector<sightline::SourceTrack>& rows);
+  void noteLeftOut(const std::vector<sightline::core::SourceTrack>& rows);
   void summarize(sightline::core::Time now, diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   double silence_;
@@ -81,7 +86,7 @@ class TrackFusionHealth {
   std::map<std::string, std::string> sensors_;      // words on each, in the last report
   std::map<std::string, std::string> harmful_;      // of those, the ones that are not healthy
   std::map<std::string, Changes> changes_;          // by sensor
-  std::size_t late_tracklets_ = 0;
+  std::size_t late_tracklets_ = 0, failed_tracklets_ = 0;
   std::string why_not_tracklets_;  // of a track of the last report; empty when there is none
   std::optional<sightline::core::Time> last_diagnosis_;
 };

@@ -14,6 +14,7 @@
 
 #include "sightline/ros/components/local_tracker_component.h"
 #include "sightline/ros/components/local_tracker_health.h"
+#include "sightline/ros/diagnosis/callback_guard.h"
 #include "sightline/ros/diagnosis/periodic_diagnostics.h"
 #include "sightline/ros/diagnosis/transform_subscriber.h"
 
@@ -38,6 +39,7 @@ class LocalTrackerNode {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle nh_;
+  CallbackGuard guard_;
   tf2::BufferCore transforms_;
   LocalTrackerComponent component_;
   LocalTrackerHealth health_;

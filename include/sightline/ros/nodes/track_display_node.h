@@ -17,6 +17,8 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "sightline/core/simulation/scenario.h"
+#include "sightline/ros/diagnosis/callback_guard.h"
+#include "sightline/ros/diagnosis/periodic_diagnostics.h"
 #include "sightline/ros/diagnosis/transform_subscriber.h"
 #include "sightline/ros/display/display_scene.h"
 #include "sightline/ros/messages/frames.h"
@@ -75,6 +77,7 @@ class TrackDisplayNode {
   ros::Publisher& publisherOf(const std::string& channel);
 
   ros::NodeHandle nh_;
+  CallbackGuard guard_;
   TrackDisplayParams params_;
   SensorColours colours_;
   DisplayScene scene_;
@@ -89,6 +92,7 @@ class TrackDisplayNode {
   std::optional<Eigen::Vector2d> aimed_;  // (azimuth, elevation) of the view frame that was published [rad]
   ros::WallTimer publish_timer_;
   ros::WallTimer static_timer_;
+  std::optional<PeriodicDiagnostics> diagnostics_;
 };
 
 }  // namespace sightline_ros

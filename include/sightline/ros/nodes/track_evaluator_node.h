@@ -14,6 +14,8 @@
 #include <tf2/buffer_core.h>
 
 #include "sightline/core/evaluation/evaluation.h"
+#include "sightline/ros/diagnosis/callback_guard.h"
+#include "sightline/ros/diagnosis/periodic_diagnostics.h"
 #include "sightline/ros/diagnosis/transform_subscriber.h"
 #include "sightline/ros/messages/frames.h"
 #include "sightline/ros/params/param_reader.h"
@@ -61,6 +63,7 @@ class TrackEvaluatorNode {
   void everySecond();
 
   bool isInTrackingFrame(const std::string& topic, const std::string& frame);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   void drop(const std::string& topic, const sightline::core::Refusal& refusal);
   void endAfterDuration(std::optional<Span>& span, sightline::core::Time stamp);
   double elapsed() const;
@@ -69,6 +72,7 @@ class TrackEvaluatorNode {
   void printTable() const;
 
   ros::NodeHandle nh_;
+  CallbackGuard guard_;
   TrackEvaluatorParams params_;
   sightline::core::Evaluation evaluation_;
   tf2::BufferCore transforms_;
@@ -80,6 +84,7 @@ class TrackEvaluatorNode {
   std::vector<ros::Subscriber> subscribers_;
   std::optional<TransformSubscriber> transform_subscriber_;
   ros::WallTimer second_timer_, release_timer_, end_timer_;
+  std::optional<PeriodicDiagnostics> diagnostics_;
 };
 
 }  // namespace sightline_ros

@@ -12,6 +12,7 @@
 
 #include "sightline/ros/components/track_fusion_component.h"
 #include "sightline/ros/components/track_fusion_health.h"
+#include "sightline/ros/diagnosis/callback_guard.h"
 #include "sightline/ros/diagnosis/periodic_diagnostics.h"
 
 namespace sightline_ros {
@@ -32,6 +33,7 @@ class TrackFusionNode {
   void noticeTimeJump(sightline::core::Time now);
 
   ros::NodeHandle nh_;
+  CallbackGuard guard_;
   TrackFusionComponent component_;
   std::vector<std::string> topics_;           // full names
   std::vector<std::string> tracklet_topics_;  // likewise
@@ -40,7 +42,6 @@ class TrackFusionNode {
   ros::Publisher report_;
   std::vector<ros::Subscriber> subscribers_;
   std::optional<PeriodicDiagnostics> diagnostics_;
-  sightline::core::Time last_now_{};
 };
 
 }  // namespace sightline_ros

@@ -52,6 +52,7 @@ void CrossCovariance::predict(double h, const std::vector<Eigen::Vector2d>& dens
       moveOn(motion, h);
       const Eigen::Vector2d shared = densities[i].cwiseProduct(densities[j]).cwiseSqrt();
       addWhiteAcceleration(motion, shared.asDiagonal(), h);
+      if (!motion.covariance.allFinite()) motion.covariance.setZero();
       blocks_.block<4, 4>(at(i), at(j)) = motion.covariance;
       blocks_.block<4, 4>(at(j), at(i)) = motion.covariance.transpose();
     }
@@ -61,7 +62,8 @@ void CrossCovariance::predict(double h, const std::vector<Eigen::Vector2d>& dens
 void CrossCovariance::update(std::size_t source, const Eigen::Matrix4d& covariance_before,
                              const Eigen::Matrix4d& covariance_after) {
   const Eigen::Matrix4d A = contraction(covariance_before, covariance_after);
-  const Eigen::MatrixXd rows = A * blocks_.middleRows<4>(at(source));
+  Eigen::MatrixXd rows = A * blocks_.middleRows<4>(at(source));
+  if (!rows.allFinite()) rows.setZero();
   blocks_.middleRows<4>(at(source)) = rows;
   blocks_.middleCols<4>(at(source)) = rows.transpose();
 }

@@ -114,11 +114,16 @@ std::optional<FusedEstimate<N>> intersect(const Problem<N>& problem, const Eigen
 
 template <int N>
 Eigen::VectorXd traceWeights(const std::vector<Estimate<N>>& sources) {
-  Eigen::VectorXd weights(static_cast<Eigen::Index>(sources.size()));
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    weights(static_cast<Eigen::Index>(i)) = 1.0 / sources[i].covariance.trace();
-  }
+  Eigen::VectorXd traces(static_cast<Eigen::Index>(sources.size()));
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    traces(static_cast<Eigen::Index>(i)) = sources[i].covariance.trace();
+  Eigen::VectorXd weights = traces.cwiseInverse();
+  if (!std::isfinite(weights.sum())) weights = traces.minCoeff() * traces.cwiseInverse();
   return weights / weights.sum();
+}
+
+bool areWeights(const Eigen::VectorXd& weights) {
+  return (weights.array() >= 0.0).all() && std::abs(weights.sum() - 1.0) < 1e-9;
 }
 
 template <int N>
@@ -268,15 +273,17 @@ std::optional<Eigen::VectorXd> intersectionWeights(const std::vector<Estimate<N>
                                                    IntersectionWeights criterion) {
   const auto problem = Problem<N>::of(sources);
   if (!problem) return std::nullopt;
-  return criterion == IntersectionWeights::trace ? traceWeights(sources)
-                                                 : determinantWeights<N>(problem->informations);
+  Eigen::VectorXd weights = criterion == IntersectionWeights::trace
+                                ? traceWeights(sources)
+                                : determinantWeights<N>(problem->informations);
+  if (!areWeights(weights)) return std::nullopt;
+  return weights;
 }
 
 template <int N>
 std::optional<FusedEstimate<N>> covarianceIntersection(const std::vector<Estimate<N>>& sources,
                                                        const Eigen::VectorXd& weights) {
-  if (weights.size() != static_cast<Eigen::Index>(sources.size()) || !(weights.array() >= 0.0).all() ||
-      !(std::abs(weights.sum() - 1.0) < 1e-9)) {
+  if (weights.size() != static_cast<Eigen::Index>(sources.size()) || !areWeights(weights)) {
     throw std::invalid_argument("covariance intersection needs a weight for each source, >= 0 and of sum 1");
   }
   const auto problem = Problem<N>::of(sources);

@@ -1,5 +1,6 @@
 #include "sightline/core/fusion/rules/intersection_weights.h"
 
+#include <cmath>
 #include <limits>
 
 #include <Eigen/Cholesky>
@@ -23,12 +24,14 @@ class BarrierProblem {
   BarrierProblem(const std::vector<Matrix>& informations, double barrier)
       : informations_(informations), barrier_(barrier) {}
 
+  /// Infinite where it is not determined.
   double valueAt(const Eigen::VectorXd& w) const {
     const Eigen::LLT<Matrix> factor(informationAt(w));
-    if (factor.info() != Eigen::Success || w.minCoeff() <= 0.0)
+    if (factor.info() != Eigen::Success || !(w.minCoeff() > 0.0))
       return std::numeric_limits<double>::infinity();
     const Matrix L = factor.matrixL();
-    return -2.0 * L.diagonal().array().log().sum() - barrier_ * w.array().log().sum();
+    const double value = -2.0 * L.diagonal().array().log().sum() - barrier_ * w.array().log().sum();
+    return std::isfinite(value) ? value : std::numeric_limits<double>::infinity();
   }
 
   /// With P = (sum w_i Y_i)^-1: d/dw_i = -tr(P Y_i) - barrier/w_i, d2/dw_i dw_j = tr(P Y_i P Y_j) +
@@ -82,7 +85,8 @@ double stepLength(const BarrierProblem<N>& problem, const Eigen::VectorXd& w, co
   const double value = problem.valueAt(w);
   double length = 1.0;
   for (int halving = 0; halving < kHalvings; ++halving) {
-    if (problem.valueAt(w + length * step) <= value + kSteepEnough * length * slope) return length;
+    const double there = problem.valueAt(w + length * step);
+    if (std::isfinite(there) && there <= value + kSteepEnough * length * slope) return length;
     length *= 0.5;
   }
   return 0.0;

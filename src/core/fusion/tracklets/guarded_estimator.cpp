@@ -1,15 +1,15 @@
 #include "sightline/core/fusion/tracklets/guarded_estimator.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+
+#include "sightline/core/sensors/corroboration.h"
 
 namespace sightline::core {
 namespace {
 
 constexpr int kStatesPerRollBack = 8;   // that are kept for rolling back
 constexpr std::size_t kLeastTaken = 4;  // tracklets from which an estimate corroborates
-constexpr std::size_t kMostSeen = 64;   // sensors
 constexpr double kSeenMemory = 0.3;     // share of the newest innovation of a sensor in the running mean
 
 Eigen::Vector2d innovationOf(const ChartedState& prediction, const Tracklet& tracklet) {
@@ -97,21 +97,7 @@ void GuardedEstimator::keepState() {
 }
 
 Corroboration GuardedEstimator::corroborationOf(const Tracklet& tracklet) const {
-  Corroboration corroboration;
-  std::array<std::array<double, kMostSeen>, 2> innovations;
-  for (const Seen& seen : state_.seen) {
-    const double silence = seconds(tracklet.time - seen.last);
-    if (seen.sensor == tracklet.sensor) {
-      corroboration.has_sensor = state_.guard.sees(silence);
-    } else if (state_.guard.mayCorroborate(seen.sensor, silence)) {
-      for (int channel = 0; channel < 2; ++channel)
-        innovations[channel][corroboration.others] = seen.innovation(channel);
-      ++corroboration.others;
-    }
-  }
-  for (int channel = 0; channel < 2; ++channel)
-    corroboration.shared(channel) = signedMedian(innovations[channel].data(), corroboration.others);
-  return corroboration;
+  return corroborationBy(state_.seen, tracklet.sensor, tracklet.time, state_.guard);
 }
 
 /// Shows the guard a tracklet beside what is expected of it, before it is taken.
@@ -142,7 +128,7 @@ bool GuardedEstimator::isToBlame(const SensorChange& change, const Past& past) c
   const double own = evidenceAgainst(change.sensor, began, past);
   return std::none_of(state_.seen.begin(), state_.seen.end(), [&](const Seen& other) {
     const bool is_suspect = other.sensor != change.sensor && state_.guard.useOf(other.sensor).isAsStated();
-    return is_suspect && other.last >= began && evidenceAgainst(other.sensor, began, past) > own;
+    return is_suspect && other.last_sighting >= began && evidenceAgainst(other.sensor, began, past) > own;
   });
 }
 
@@ -224,9 +210,9 @@ void GuardedEstimator::see(const Tracklet& tracklet) {
   const auto seen = std::find_if(state_.seen.begin(), state_.seen.end(),
                                  [&](const Seen& it) { return it.sensor == tracklet.sensor; });
   if (seen != state_.seen.end()) {
-    seen->last = tracklet.time;
+    seen->last_sighting = tracklet.time;
     seen->innovation += kSeenMemory * (innovation - seen->innovation);
-  } else if (state_.seen.size() < kMostSeen) {
+  } else if (state_.seen.size() < kMostSources) {
     state_.seen.push_back({tracklet.sensor, tracklet.time, innovation});
   }
 }
@@ -244,7 +230,7 @@ std::vector<WatchedSensor> GuardedEstimator::sensors() const {
   std::vector<WatchedSensor> sensors;
   for (WatchedSensor& watched : state_.guard.sensors()) {
     const auto isIt = [&](const Seen& it) {
-      return it.sensor == watched.sensor && state_.guard.sees(seconds(state_.last - it.last));
+      return it.sensor == watched.sensor && state_.guard.sees(seconds(state_.last - it.last_sighting));
     };
     if (std::any_of(state_.seen.begin(), state_.seen.end(), isIt)) sensors.push_back(std::move(watched));
   }
@@ -254,7 +240,7 @@ std::vector<WatchedSensor> GuardedEstimator::sensors() const {
 bool GuardedEstimator::decides() const {
   return settings_->guard.enabled &&
          std::count_if(state_.seen.begin(), state_.seen.end(), [this](const Seen& seen) {
-           return state_.guard.mayCorroborate(seen.sensor, seconds(state_.last - seen.last));
+           return state_.guard.mayCorroborate(seen.sensor, seconds(state_.last - seen.last_sighting));
          }) >= 3;
 }
 

@@ -6,8 +6,9 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kOwnerSilence = 0.5;  // after which another supporter reports for a sensor [s]
-constexpr double kMostBias = 6.0;      // of a sensor that still sees the same target [sigma]
+constexpr double kOwnerSilence = 0.5;     // after which another supporter reports for a sensor [s]
+constexpr double kMostBias = 6.0;         // of a sensor that still sees the same target [sigma]
+constexpr std::size_t kMostOwners = 256;  // sensors; tracklets of further ones are not used
 
 }  // namespace
 
@@ -31,6 +32,9 @@ void TrackletFusion::feed(const Supporter& supporter, const TrackletMemory& memo
 
 /// Whether the supporter is the one whose tracklets of this sensor are used.
 bool TrackletFusion::reportsFor(const LocalKey& supporter, const Tracklet& tracklet) {
+  if (owners_.size() >= kMostOwners && owners_.count(tracklet.sensor) == 0 &&
+      !forgetOldestOwner(tracklet.time))
+    return false;
   const auto [it, is_new] = owners_.try_emplace(tracklet.sensor, Owner{supporter, tracklet.time});
   Owner& owner = it->second;
   if (!(owner.supporter == supporter)) {
@@ -38,6 +42,16 @@ bool TrackletFusion::reportsFor(const LocalKey& supporter, const Tracklet& track
     owner.supporter = supporter;
   }
   owner.newest = std::max(owner.newest, tracklet.time);
+  return true;
+}
+
+/// Forgets the sensor that has been silent longest, if it may be reported for by anyone again.
+bool TrackletFusion::forgetOldestOwner(Time now) {
+  const auto oldest = std::min_element(owners_.begin(), owners_.end(), [](const auto& a, const auto& b) {
+    return a.second.newest < b.second.newest;
+  });
+  if (seconds(now - oldest->second.newest) <= kOwnerSilence) return false;
+  owners_.erase(oldest);
   return true;
 }
 
@@ -101,8 +115,8 @@ double TrackletFusion::noiseScale(const LocalKey& supporter) const {
   return largest;
 }
 
-std::string whyIncomplete(const std::vector<const Supporter*>& supporters, const TrackletMemory& memory,
-                          const TrackletFusionParams& params) {
+std::optional<Refusal> whyIncomplete(const std::vector<const Supporter*>& supporters,
+                                     const TrackletMemory& memory, const TrackletFusionParams& params) {
   std::ostringstream why;
   double missing = 0.0;
   for (const Supporter* supporter : supporters) {
@@ -110,21 +124,21 @@ std::string whyIncomplete(const std::vector<const Supporter*>& supporters, const
     const auto newest = memory.newest(tracker);
     if (!newest) {
       why << "no tracklets from " << tracker;
-      return why.str();
+      return Refusal{"no tracklets", why.str()};
     }
     const double lag = seconds(supporter->reported - *newest);
     if (lag > params.max_lag) {
       why << "tracklets of " << tracker << " are " << lag << " s behind its tracks (max_lag "
           << params.max_lag << " s)";
-      return why.str();
+      return Refusal{"tracklets behind", why.str()};
     }
     missing += memory.missing(tracker, *newest - durationOf(params.memory)) / params.memory;
   }
   const double share = missing / static_cast<double>(supporters.size());
-  if (share <= params.max_missing) return {};
+  if (share <= params.max_missing) return std::nullopt;
   why << "tracklets lost: " << 100.0 * share << " % of the last " << params.memory << " s (max_missing "
       << 100.0 * params.max_missing << " %)";
-  return why.str();
+  return Refusal{"tracklets lost", why.str()};
 }
 
 }  // namespace sightline::core

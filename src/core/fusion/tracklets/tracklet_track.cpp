@@ -1,6 +1,7 @@
 #include "sightline/core/fusion/tracklets/tracklet_track.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 namespace sightline::core {
@@ -46,18 +47,37 @@ std::optional<std::uint64_t> TrackletTrack::remove(const LocalKey& source, Time 
   return least;
 }
 
-std::optional<AngularState> TrackletTrack::stateAt(Time time) {
+void TrackletTrack::advanceTo(Time time) {
+  while (reports_.next() < reports_.size() && reports_[reports_.next()].item.tracklet.time <= time) {
+    try {
+      processNext();
+    } catch (const std::exception& problem) {
+      dropNext(problem.what());
+    }
+  }
+  forgetOld();
+}
+
+std::optional<AngularState> TrackletTrack::stateAt(Time time) const {
+  return estimator_.stateAt(time);
+}
+
+void TrackletTrack::processNext() {
   const auto past = [this](std::size_t back) -> const Tracklet& {
     return reports_[reports_.next() - back].item.tracklet;
   };
-  for (; reports_.next() < reports_.size(); reports_.advance()) {
-    const Tracklet& next = reports_[reports_.next()].item.tracklet;
-    if (next.time > time) break;
-    reports_.keepIfDue(estimator_);
-    estimator_.take(next, past);
-  }
-  forgetOld();
-  return estimator_.stateAt(time);
+  reports_.keepIfDue(estimator_);
+  estimator_.take(reports_[reports_.next()].item.tracklet, past);
+  reports_.advance();
+}
+
+/// Takes the next tracklet out, and goes back to the state before it.
+void TrackletTrack::dropNext(const std::string& why) {
+  const std::size_t failed = reports_.next();
+  ++failures_.count;
+  failures_.latest = "tracklet of \"" + reports_[failed].item.tracklet.sensor + "\": " + why;
+  reports_.restore(failed, estimator_);
+  reports_.erase(failed);
 }
 
 /// Closes what is before the last kept state that is older than max_lag, and drops of it what that state does

@@ -433,6 +433,27 @@ TEST(FusionRules, ImpossibleCorrelationGivesNoResult) {
   EXPECT_THROW(maximumLikelihood(sources, MatrixXd::Identity(4, 4)), std::invalid_argument);
 }
 
+TEST(FusionRules, IntersectionNeverMeetsWeightsThatAreNoNumbers) {
+  Random random(5);
+  for (int trial = 0; trial < 300; ++trial) {
+    Sources sources = random.sources(3, 1e-3);
+    const double scale = std::pow(10.0, trial - 150.0);
+    sources[trial % 3].covariance *= scale;
+    for (const auto criterion : {IntersectionWeights::determinant, IntersectionWeights::trace}) {
+      const auto weights = intersectionWeights(sources, criterion);
+      if (weights) {
+        EXPECT_TRUE((weights->array() >= 0.0).all()) << scale;
+        EXPECT_NEAR(weights->sum(), 1.0, 1e-9) << scale;
+      }
+      EXPECT_NO_THROW(covarianceIntersection(sources, criterion)) << scale;
+    }
+  }
+  Sources sources(2);
+  sources[0].covariance *= 1e-320;  // whose reciprocal is infinite
+  EXPECT_NO_THROW(covarianceIntersection(sources, IntersectionWeights::trace));
+  EXPECT_NO_THROW(covarianceIntersection(sources, IntersectionWeights::determinant));
+}
+
 TEST(FusionRules, WeightsThatAreNoneAreRefused) {
   const Sources sources(2);
   EXPECT_THROW(covarianceIntersection(sources, Eigen::Vector2d(0.7, 0.7)), std::invalid_argument);

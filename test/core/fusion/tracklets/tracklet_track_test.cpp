@@ -22,6 +22,11 @@ using test::straight;
 using test::trackletsOf;
 using test::Watched;
 
+std::optional<AngularState> stateAt(TrackletTrack& track, Time time) {
+  track.advanceTo(time);
+  return track.stateAt(time);
+}
+
 TEST(TrackletTrack, LateTrackletIsPutInItsPlaceAndTooLateOneIsNot) {
   const auto trackletAt = [](double t) {
     Tracklet tracklet;
@@ -31,18 +36,18 @@ TEST(TrackletTrack, LateTrackletIsPutInItsPlaceAndTooLateOneIsNot) {
     return tracklet;
   };
   TrackletTrack in_order({}, 0.5), shuffled({}, 0.5);
-  EXPECT_FALSE(in_order.stateAt(platformTime(0.0)));
+  EXPECT_FALSE(stateAt(in_order, platformTime(0.0)));
   for (int k = 0; k < 100; ++k) in_order.add({"a", 1}, 1, trackletAt(0.02 * k));
   for (int k = 0; k < 100; ++k) {
     if (k % 10 != 0) shuffled.add({"a", 1}, 1, trackletAt(0.02 * k));
     // every tenth comes nine later
     if (k % 10 == 9) {
-      shuffled.stateAt(platformTime(0.02 * k));
+      stateAt(shuffled, platformTime(0.02 * k));
       EXPECT_TRUE(shuffled.add({"a", 1}, 1, trackletAt(0.02 * (k - 9))));
       EXPECT_TRUE(shuffled.add({"a", 1}, 1, trackletAt(0.02 * (k - 9)))) << "again: not counted twice";
     }
   }
-  const AngularState a = *in_order.stateAt(platformTime(2.0)), b = *shuffled.stateAt(platformTime(2.0));
+  const AngularState a = *stateAt(in_order, platformTime(2.0)), b = *stateAt(shuffled, platformTime(2.0));
   EXPECT_EQ(a.mean, b.mean);
   EXPECT_EQ(a.covariance, b.covariance);
   EXPECT_FALSE(shuffled.add({"a", 1}, 1, trackletAt(0.5)));
@@ -73,7 +78,7 @@ TEST(TrackletTrack, AnyOrderGivesTheSameBits) {
       if (uniform(random) > 0.1) continue;
       TrackletTrack fresh({}, 100.0);
       for (const Tracklet& it : given) fresh.add({"a", 1}, 1, it);
-      ASSERT_EQ(track.stateAt(newest)->mean, fresh.stateAt(newest)->mean);
+      ASSERT_EQ(stateAt(track, newest)->mean, stateAt(fresh, newest)->mean);
     }
   }
 }
@@ -91,14 +96,60 @@ TEST(TrackletTrack, WhatASourceSaidCanBeTakenBack) {
     tracklet.sensor = "other";
     tracklet.sighting = sightingOf({0.3, 0.1}, 1e-6 * Eigen::Matrix2d::Identity());
     with.add({"b", 2}, static_cast<std::uint64_t>(k), tracklet);
-    if (k % 7 == 0) with.stateAt(tracklet.time);
+    if (k % 7 == 0) stateAt(with, tracklet.time);
   }
   EXPECT_EQ(with.remove({"b", 2}, platformTime(0.0)), std::uint64_t{30});
   EXPECT_FALSE(with.remove({"b", 2}, platformTime(0.0)));
-  const AngularState a = *with.stateAt(platformTime(1.0)), b = *without.stateAt(platformTime(1.0));
+  const AngularState a = *stateAt(with, platformTime(1.0)), b = *stateAt(without, platformTime(1.0));
   EXPECT_EQ(a.mean, b.mean);
   EXPECT_EQ(a.covariance, b.covariance);
   EXPECT_EQ(with.informationBySource().size(), 1u);
+}
+
+TEST(TrackletTrack, ATrackletThatTheEstimatorCannotTakeIsDroppedAndTheStateIsAsWithoutIt) {
+  EstimatorParams paper;
+  paper.twbls_form = EstimatorForm::paper;
+  paper.twbls.sensor_weight = SensorWeight::ifov;  // throws without
+  TrackletTrack with(paper, 0.5, noGuard()), without(paper, 0.5, noGuard());
+  for (int k = 0; k < 200; ++k) {
+    Tracklet tracklet;
+    tracklet.time = platformTime(0.03 * k);
+    tracklet.sensor = "camera";
+    tracklet.ifov = 1e-3;
+    tracklet.sighting = sightingOf({0.01 * std::sin(0.1 * k), 0.1}, 1e-6 * Eigen::Matrix2d::Identity());
+    without.add({"a", 1}, static_cast<std::uint64_t>(k), tracklet);
+    with.add({"a", 1}, static_cast<std::uint64_t>(k), tracklet);
+    if (k % 3 == 0) {
+      tracklet.sensor = "camera without ifov";
+      tracklet.ifov = std::nan("");
+      with.add({"b", 1}, static_cast<std::uint64_t>(k), tracklet);
+    }
+    ASSERT_NO_THROW(with.advanceTo(tracklet.time)) << k;
+    without.advanceTo(tracklet.time);
+    ASSERT_EQ(with.stateAt(tracklet.time)->mean, without.stateAt(tracklet.time)->mean) << k;
+    ASSERT_EQ(with.stateAt(tracklet.time)->covariance, without.stateAt(tracklet.time)->covariance) << k;
+  }
+  EXPECT_EQ(with.failures().count, 67u);
+  EXPECT_NE(with.failures().latest.find("\"camera without ifov\""), std::string::npos);
+  EXPECT_EQ(without.failures().count, 0u);
+}
+
+TEST(TrackletTrack, AskingForAStateChangesNothing) {
+  TrackletTrack asked({}, 1.0), silent({}, 1.0);
+  for (int k = 0; k < 60; ++k) {
+    Tracklet tracklet;
+    tracklet.time = platformTime(0.03 * k);
+    tracklet.sensor = "camera";
+    tracklet.sighting = sightingOf({0.01 * k, 0.1}, 1e-6 * Eigen::Matrix2d::Identity());
+    for (TrackletTrack* track : {&asked, &silent}) {
+      track->add({"a", 1}, static_cast<std::uint64_t>(k), tracklet);
+      track->advanceTo(tracklet.time);
+    }
+    static_cast<const TrackletTrack&>(asked).stateAt(platformTime(100.0));
+  }
+  const Time end = platformTime(2.0);
+  EXPECT_EQ(asked.stateAt(end)->mean, silent.stateAt(end)->mean);
+  EXPECT_EQ(asked.stateAt(end)->covariance, silent.stateAt(end)->covariance);
 }
 
 LocalKey sourceOf(const Tracklet& tracklet) {
@@ -110,7 +161,7 @@ TrackletTrack trackOf(const std::vector<Tracklet>& tracklets, const GuardParams&
   TrackletTrack track(kalmanOf(1.0), 1.0, guard);
   for (const Tracklet& tracklet : tracklets) {
     track.add(sourceOf(tracklet), 1, tracklet);
-    track.stateAt(tracklet.time);
+    stateAt(track, tracklet.time);
   }
   return track;
 }
@@ -141,8 +192,8 @@ TEST(TrackletGuard, BiasedSourceIsOutOfTheStateFromWhenItBegan) {
   }
   TrackletTrack without = trackOf(rest, noGuard());
   const Time end = tracklets.back().time;
-  EXPECT_EQ(track.stateAt(end)->mean, without.stateAt(end)->mean);
-  EXPECT_EQ(track.stateAt(end)->covariance, without.stateAt(end)->covariance);
+  EXPECT_EQ(stateAt(track, end)->mean, stateAt(without, end)->mean);
+  EXPECT_EQ(stateAt(track, end)->covariance, stateAt(without, end)->covariance);
   EXPECT_EQ(track.informationBySource().at({"tracker of camera c", 1}), 0.0);
   const std::vector<SensorChange> changes = track.newChanges();
   ASSERT_EQ(changes.size(), 1u);
@@ -189,8 +240,8 @@ TEST(TrackletGuard, HealthySourcesChangeNotOneBit) {
   const Time end = tracklets.back().time;
   EXPECT_TRUE(with.newChanges().empty());
   EXPECT_EQ(with.sensors().size(), 3u);
-  EXPECT_EQ(with.stateAt(end)->mean, without.stateAt(end)->mean);
-  EXPECT_EQ(with.stateAt(end)->covariance, without.stateAt(end)->covariance);
+  EXPECT_EQ(stateAt(with, end)->mean, stateAt(without, end)->mean);
+  EXPECT_EQ(stateAt(with, end)->covariance, stateAt(without, end)->covariance);
 }
 
 TEST(TrackletGuard, AnyOrderOfArrivalGivesTheSameBitsThroughAlarmsAndRecoveries) {
@@ -216,11 +267,11 @@ TEST(TrackletGuard, AnyOrderOfArrivalGivesTheSameBitsThroughAlarmsAndRecoveries)
     for (const Tracklet& tracklet : shuffled) {
       EXPECT_TRUE(out_of_order.add(sourceOf(tracklet), 1, tracklet));
       newest = std::max(newest, tracklet.time);
-      out_of_order.stateAt(newest);
+      stateAt(out_of_order, newest);
     }
     const Time end = tracklets.back().time;
-    ASSERT_EQ(in_order.stateAt(end)->mean, out_of_order.stateAt(end)->mean) << seed;
-    ASSERT_EQ(in_order.stateAt(end)->covariance, out_of_order.stateAt(end)->covariance) << seed;
+    ASSERT_EQ(stateAt(in_order, end)->mean, stateAt(out_of_order, end)->mean) << seed;
+    ASSERT_EQ(stateAt(in_order, end)->covariance, stateAt(out_of_order, end)->covariance) << seed;
     alarms += static_cast<int>(in_order.newChanges().size());
   }
   EXPECT_GE(alarms, 10);
@@ -237,7 +288,7 @@ TEST(TrackletGuard, OfTwoSourcesItIsOnlySaid) {
   EXPECT_NE(found.verdict, SensorVerdict::healthy);
   EXPECT_EQ(found.noise_scale, 1.0);
   const Time end = tracklets.back().time;
-  EXPECT_EQ(with.stateAt(end)->mean, without.stateAt(end)->mean);
+  EXPECT_EQ(stateAt(with, end)->mean, stateAt(without, end)->mean);
 }
 
 /// Root mean square of the error over t > 1 s of a fusion at every tracklet [rad].
@@ -247,7 +298,7 @@ double errorOf(const std::vector<Tracklet>& tracklets, const GuardParams& guard)
   int count = 0;
   for (const Tracklet& tracklet : tracklets) {
     track.add(sourceOf(tracklet), 1, tracklet);
-    const AngularState state = *track.stateAt(tracklet.time);
+    const AngularState state = *stateAt(track, tracklet.time);
     const double t = seconds(tracklet.time - platformTime(0.0));
     if (t < 1.0) continue;
     squares += (state.angles() - straight(t)).squaredNorm();

@@ -22,6 +22,8 @@ namespace sightline::core {
 /// reports count as taken at the later one; a track's errors are independent of the others' when it first
 /// appears (forgotten within its memory); sightings shared between sources are not accounted for.
 ///
+/// Cross-covariances that overflow are forgotten: zero.
+///
 /// Sources are numbered 0 ... size() - 1 in the order in which they were added. States are (2 positions, 2
 /// rates) in one chart.
 class CrossCovariance {

@@ -58,8 +58,9 @@ enum class IntersectionWeights {
   trace,        ///< proportional to 1 / tr P_i: no optimum, but every source has its share; units matter
 };
 
-/// Weights of covariance intersection, one for each source, >= 0, sum 1. Sources with equal covariances get
-/// equal weights. The determinant's are within 1e-8 of the optimum of log det P.
+/// Weights of covariance intersection, one for each source, >= 0, sum 1; nullopt also where rounding leaves
+/// none. Sources with equal covariances get equal weights. The determinant's are within 1e-8 of the optimum
+/// of log det P.
 template <int N>
 std::optional<Eigen::VectorXd> intersectionWeights(const std::vector<Estimate<N>>& sources,
                                                    IntersectionWeights criterion);

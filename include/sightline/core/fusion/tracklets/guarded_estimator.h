@@ -69,7 +69,7 @@ class GuardedEstimator {
   };
   struct Seen {
     std::string sensor;
-    Time last;
+    Time last_sighting;
     Eigen::Vector2d innovation = Eigen::Vector2d::Zero();  // mean of the last ones, in the chart [rad]
   };
   /// What a tracklet changes.

@@ -47,8 +47,12 @@ class TrackletFusion {
   /// The supporter is gone: others may report for its sensors. Its tracklets stay.
   void leave(const LocalKey& supporter);
 
-  /// Estimate from all tracklets up to `time`, in the tracking frame; nullopt without any.
-  std::optional<AngularState> stateAt(Time time) { return track_.stateAt(time); }
+  /// Runs the estimator over all tracklets up to `time`. Times do not go back.
+  void advanceTo(Time time) { track_.advanceTo(time); }
+
+  /// Estimate from all tracklets up to `time`, to which it has been advanced, in the tracking frame; nullopt
+  /// without any.
+  std::optional<AngularState> stateAt(Time time) const { return track_.stateAt(time); }
 
   /// Each supporter's share in the information of the last moments, summing to one; of those that gave any.
   std::map<LocalKey, double> shares() const;
@@ -72,6 +76,9 @@ class TrackletFusion {
 
   std::size_t late() const { return late_; }  ///< tracklets that came too late to be used
 
+  /// Tracklets that the estimator could not take, and why.
+  const TrackletFailures& failures() const { return track_.failures(); }
+
  private:
   struct Owner {
     LocalKey supporter;
@@ -80,16 +87,17 @@ class TrackletFusion {
 
   std::vector<WatchedSensor> sensorsOf(const LocalKey& supporter) const;
   bool reportsFor(const LocalKey& supporter, const Tracklet& tracklet);
+  bool forgetOldestOwner(Time now);
 
   TrackletTrack track_;
   std::map<LocalKey, std::uint64_t> fed_;  // by supporter: number of the last tracklet taken
-  std::map<std::string, Owner> owners_;    // by sensor
+  std::map<std::string, Owner> owners_;    // by sensor, at most 256
   std::size_t late_ = 0;
 };
 
-/// Why the tracklets of these supporters are not good enough to rely on; empty when they are: everyone sends
-/// them, up to date, and little was lost.
-std::string whyIncomplete(const std::vector<const Supporter*>& supporters, const TrackletMemory& memory,
-                          const TrackletFusionParams& params);
+/// Why the tracklets of these supporters are not good enough to rely on; nullopt when they are: everyone
+/// sends them, up to date, and little was lost.
+std::optional<Refusal> whyIncomplete(const std::vector<const Supporter*>& supporters,
+                                     const TrackletMemory& memory, const TrackletFusionParams& params);
 
 }  // namespace sightline::core

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "sightline/core/estimators/estimators.h"
@@ -19,6 +20,12 @@
 
 namespace sightline::core {
 
+/// Tracklets that an estimator could not take.
+struct TrackletFailures {
+  std::size_t count = 0;
+  std::string latest;  ///< of which sensor, and why
+};
+
 /// One target as an estimator sees it that is given the tracklets of all its sources, each in its place in
 /// time: for a late one it rolls back and runs again from there, so that the order of arrival changes
 /// nothing, to the last bit. Its sensors are watched: the tracklets of one of them since it is noisy or
@@ -28,12 +35,6 @@ class TrackletTrack {
   /// `max_lag`: tracklets up to so much older than the newest are put in their place [s], >= 0.
   TrackletTrack(const EstimatorParams& estimator, double max_lag, const GuardParams& guard = {});
 
-  TrackletTrack(TrackletTrack&&) = default;
-  TrackletTrack& operator=(TrackletTrack&&) = default;
-  TrackletTrack(const TrackletTrack&) = delete;
-  TrackletTrack& operator=(const TrackletTrack&) = delete;
-  ~TrackletTrack() = default;
-
   /// Takes a tracklet of a local track, the `number`-th that its tracker reported. One that is here already
   /// is not taken again. False when it is too late.
   bool add(const LocalKey& source, std::uint64_t number, const Tracklet& tracklet);
@@ -42,9 +43,16 @@ class TrackletTrack {
   /// number of those taken out.
   std::optional<std::uint64_t> remove(const LocalKey& source, Time since);
 
-  /// Estimate from the tracklets up to `time`, in the tracking frame; nullopt before the first.
-  /// Times do not go back.
-  std::optional<AngularState> stateAt(Time time);
+  /// Runs the estimator over the tracklets up to `time`. Times do not go back. A tracklet that the estimator
+  /// cannot take (it throws) is dropped, and the estimator goes on from the state before it.
+  void advanceTo(Time time);
+
+  /// Estimate from the tracklets up to `time`, to which it has been advanced, in the tracking frame; nullopt
+  /// before the first.
+  std::optional<AngularState> stateAt(Time time) const;
+
+  /// Tracklets that the estimator could not take.
+  const TrackletFailures& failures() const { return failures_; }
 
   /// How much information each source has given since `max_lag` ago, as it was used [1/rad^2].
   std::map<LocalKey, double> informationBySource() const;
@@ -73,12 +81,15 @@ class TrackletTrack {
   };
   struct NoUse {};
 
+  void processNext();
+  void dropNext(const std::string& why);
   void forgetOld();
 
   Timeline<Report, NoUse, GuardedEstimator> reports_;
   GuardedEstimator estimator_;  // has taken the reports before the timeline's next
   std::optional<Time> closed_;  // before this nothing can be put any more
   SensorChangeReporter reporter_;
+  TrackletFailures failures_;
 };
 
 }  // namespace sightline::core
