@@ -5,6 +5,11 @@
 #include <Eigen/LU>
 
 namespace sightline::core {
+
+std::vector<Hypothesis> Estimator::hypothesesAt(Time time) const {
+  const std::optional<AngularState> state = stateAt(time);
+  return state ? std::vector<Hypothesis>{{1.0, *state}} : std::vector<Hypothesis>{};
+}
 namespace {
 
 constexpr std::size_t kSettledSightings = 20;

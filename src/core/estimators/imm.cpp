@@ -98,6 +98,12 @@ std::optional<AngularState> ImmEstimator::stateAt(Time time) const {
   return mixture(chain_.predicted(h / revisit_.unit(h)), predicted(h).data()).angularState();  // (S-6)
 }
 
+std::vector<Hypothesis> ImmEstimator::hypothesesAt(Time time) const {
+  if (!time_ || rate_.isOpen()) return Estimator::hypothesesAt(time);
+  const double h = seconds(time - *time_);
+  return hypothesesOf(chain_.predicted(h / revisit_.unit(h)), predicted(h).data());
+}
+
 /// What each model expects `h` seconds after the last sighting, after the models have interacted.
 ImmEstimator::Motions ImmEstimator::predicted(double h) const {  // (S-25), (S-26), (S-17)
   const double unit = revisit_.unit(h);

@@ -365,8 +365,14 @@ std::optional<AngularState> NogaConsistentEstimator::stateAt(Time time) const {
   return moments(chain_.predicted(h / revisit_.unit(h)), expected(h));
 }
 
-/// Position and rates of the mixture (S-6), both channels together.
-AngularState NogaConsistentEstimator::moments(const ModeArray& weights, const Beliefs& beliefs) const {
+std::vector<Hypothesis> NogaConsistentEstimator::hypothesesAt(Time time) const {
+  if (!time_ || rate_.isOpen()) return Estimator::hypothesesAt(time);
+  const double h = seconds(time - *time_);
+  return hypothesesOf(chain_.predicted(h / revisit_.unit(h)), motionsOf(expected(h)).data());
+}
+
+/// Position and rates by each model, both channels together.
+std::array<Motion<4>, kMaxModes> NogaConsistentEstimator::motionsOf(const Beliefs& beliefs) const {
   std::array<Motion<4>, kMaxModes> motions;
   for (int mode = 0; mode < modes(); ++mode) {
     const Belief& belief = beliefs[mode];
@@ -384,7 +390,12 @@ AngularState NogaConsistentEstimator::moments(const ModeArray& weights, const Be
       }
     }
   }
-  return mixture(weights, motions.data()).angularState();
+  return motions;
+}
+
+/// Position and rates of the mixture (S-6).
+AngularState NogaConsistentEstimator::moments(const ModeArray& weights, const Beliefs& beliefs) const {
+  return mixture(weights, motionsOf(beliefs).data()).angularState();
 }
 
 /// Position, rate and acceleration turn exactly in the mean and by the derivative in the covariance; kappa is

@@ -47,6 +47,24 @@ void joinTogether(const std::vector<PossibleSighting>& possible, const TrackPred
   measurement.is_certain = false;
 }
 
+/// Log density of one state at another of which as little is known, as targets move, or jump now and then.
+double logDensityWithJumps(const AngularState& expected, const AngularState& found) {
+  Eigen::Vector4d difference = found.mean - expected.mean;
+  difference.head<2>() = angleDifference(found.angles(), expected.angles());
+  const Eigen::LLT<Eigen::Matrix4d> both(expected.covariance + found.covariance);
+  if (both.info() != Eigen::Success) return -std::numeric_limits<double>::infinity();
+  const double distance_squared = difference.dot(both.solve(difference));
+  const double log_root = both.matrixLLT().diagonal().array().log().sum();  // of the determinant
+  const auto logNormal = [&](double stretch) {  // with a covariance stretch^2 times as large
+    return -0.5 * distance_squared / (stretch * stretch) - log_root - 4.0 * std::log(stretch) -
+           2.0 * std::log(2.0 * kPi);
+  };
+  const double calm = std::log(1.0 - kJumps) + logNormal(1.0);
+  const double jump = std::log(kJumps) + logNormal(kJumpStretch);
+  const double larger = std::max(calm, jump);
+  return larger + std::log(std::exp(calm - larger) + std::exp(jump - larger));
+}
+
 }  // namespace
 
 LiveTrack::LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sighting,
@@ -160,22 +178,15 @@ void LiveTrack::noteSource(const Scan& scan, const Eigen::Vector2d& innovation) 
 
 // (S-43)
 double LiveTrack::logDensityOfReturn(const LiveTrack& fresh, Time time) const {
-  const AngularState mine = estimator_.stateInChart(time);
   const AngularState its = estimator_.chart().fromTracking(fresh.estimator_.stateAt(time));
-  Eigen::Vector4d difference = its.mean - mine.mean;
-  difference.head<2>() = angleDifference(its.angles(), mine.angles());
-  const Eigen::LLT<Eigen::Matrix4d> both(mine.covariance + its.covariance);
-  if (both.info() != Eigen::Success) return -std::numeric_limits<double>::infinity();
-  const double distance_squared = difference.dot(both.solve(difference));
-  const double log_root = both.matrixLLT().diagonal().array().log().sum();  // of the determinant
-  const auto logNormal = [&](double stretch) {  // with a covariance stretch^2 times as large
-    return -0.5 * distance_squared / (stretch * stretch) - log_root - 4.0 * std::log(stretch) -
-           2.0 * std::log(2.0 * kPi);
-  };
-  const double calm = std::log(1.0 - kJumps) + logNormal(1.0);
-  const double jump = std::log(kJumps) + logNormal(kJumpStretch);
-  const double larger = std::max(calm, jump);
-  return std::log(kReturns) + larger + std::log(std::exp(calm - larger) + std::exp(jump - larger));
+  double log_sum = -std::numeric_limits<double>::infinity();
+  for (const Hypothesis& mine : estimator_.hypothesesInChart(time)) {
+    const double log_density = std::log(mine.probability) + logDensityWithJumps(mine.state, its);
+    const double larger = std::max(log_sum, log_density);
+    if (!std::isfinite(larger)) continue;
+    log_sum = larger + std::log(std::exp(log_sum - larger) + std::exp(log_density - larger));
+  }
+  return std::log(kReturns) + log_sum;
 }
 
 // (S-43), (S-92)
@@ -219,7 +230,7 @@ bool LiveTrack::isOver(Time time, const LifecycleParams& params, bool adapt_gate
   if (lifecycle_.isOver(time, params)) return true;
   const AngularState& state = estimator_.stateInChart(time);
   if (!isUsable(state)) return true;
-  return !lifecycle_.isTentative() && spread(state, adapt_gate) > params.max_spread * lifecycle_.unit();
+  return lifecycle_.isEstablished() && spread(state, adapt_gate) > params.max_spread * lifecycle_.unit();
 }
 
 Track LiveTrack::report(Time time, const GateParams& gate, bool adapt_gate,

@@ -53,6 +53,9 @@ class ChartedEstimator {
   /// bank of filters, and several steps ask for the same instant.
   const AngularState& stateInChart(Time time) const;
 
+  /// The mixture of which that is mean and covariance, in the present chart: see Estimator::hypothesesAt.
+  std::vector<Hypothesis> hypothesesInChart(Time time) const { return estimator_->hypothesesAt(time); }
+
   const Chart& chart() const { return chart_; }
 
   /// Whether anything is known of the target's rates: see Estimator::knowsRates.

@@ -36,6 +36,12 @@ double nextTo(double other, double angle);
 /// well.
 void rotate(std::vector<Measurement>& window, const Eigen::Matrix3d& R_new_old);
 
+/// One of the motions between which an estimator has not decided.
+struct Hypothesis {
+  double probability = 1.0;
+  AngularState state;
+};
+
 /// The one virtual interface: sightings of one target in, its motion out. Coordinates are those of the
 /// track's chart throughout; time only moves forward (late data are put in their place by the tracker).
 class Estimator {
@@ -53,6 +59,11 @@ class Estimator {
   /// Motion expected at `time`, usually at or after the last sighting; nullopt before the first sighting.
   /// The covariance is symmetric positive definite.
   virtual std::optional<AngularState> stateAt(Time time) const = 0;
+
+  /// The mixture of which `stateAt` gives mean and covariance; the probabilities sum to one. After a silence
+  /// one normal distribution is a poor picture of it: models of an agile target, improbable as they are, make
+  /// its covariance. Empty before the first sighting.
+  virtual std::vector<Hypothesis> hypothesesAt(Time time) const;
 
   /// Whether anything is known of the target's rates; not while one instant has been seen and no prior is
   /// given. Until then the covariance of `stateAt` says what is not known by one normal distribution, which

@@ -25,7 +25,7 @@ enum class EstimatorForm {
 
 /// Which estimator a tracker runs, and the settings of each.
 struct EstimatorParams {
-  EstimatorKind kind = EstimatorKind::twbls;
+  EstimatorKind kind = EstimatorKind::noga;
   EstimatorForm twbls_form = EstimatorForm::consistent;
   TwblsParams twbls;  ///< form `paper`
   TwblsConsistentParams twbls_consistent;

@@ -48,6 +48,7 @@ class ImmEstimator final : public Estimator {
   std::unique_ptr<Estimator> clone() const override;
   void update(const Measurement& measurement) override;
   std::optional<AngularState> stateAt(Time time) const override;
+  std::vector<Hypothesis> hypothesesAt(Time time) const override;
   bool knowsRates() const override { return !rate_.isOpen(); }
   void rotate(const Eigen::Matrix3d& R_new_old) override;
 

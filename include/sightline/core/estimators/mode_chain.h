@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 #include <Eigen/Core>
 
+#include "sightline/core/estimators/estimator.h"
 #include "sightline/core/model/kinematics.h"
 
 /// What interacting multiple models have in common, whatever the models are.
@@ -59,6 +61,15 @@ Motion<N> mixture(const Weights& weights, const Motion<N>* motions) {
   }
   mixed.covariance = symmetric(mixed.covariance);
   return mixed;
+}
+
+/// The same mixture undecided, its parts with a weight alone.
+template <int N, typename Weights>
+std::vector<Hypothesis> hypothesesOf(const Weights& weights, const Motion<N>* motions) {
+  std::vector<Hypothesis> hypotheses;
+  for (Eigen::Index i = 0; i < weights.size(); ++i)
+    if (weights(i) > 0.0) hypotheses.push_back({weights(i), motions[i].angularState()});
+  return hypotheses;
 }
 
 /// Mean and covariance of a mixture of two: `share`, in [0, 1], of `own`, for the rest `other`.

@@ -54,6 +54,7 @@ class NogaConsistentEstimator final : public Estimator {
   std::unique_ptr<Estimator> clone() const override;
   void update(const Measurement& measurement) override;
   std::optional<AngularState> stateAt(Time time) const override;
+  std::vector<Hypothesis> hypothesesAt(Time time) const override;
   bool knowsRates() const override { return !rate_.isOpen(); }
   Eigen::Vector2d noiseScale() const override;
   void rotate(const Eigen::Matrix3d& R_new_old) override;
@@ -84,6 +85,7 @@ class NogaConsistentEstimator final : public Estimator {
   double takenShare(double log_likelihood, double log_outlier_density, double& log_mixture) const;
   double logOutlierDensity(int channel, double noise, double D) const;
   void learnNoise(Belief& belief, const Eigen::Vector2d& distances_squared) const;
+  std::array<Motion<4>, kMaxModes> motionsOf(const Beliefs& beliefs) const;
   AngularState moments(const ModeArray& weights, const Beliefs& beliefs) const;
 
   NogaConsistentParams params_;

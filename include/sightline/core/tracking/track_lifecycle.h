@@ -30,7 +30,8 @@ struct LifecycleParams {
   /// its gate or a new track agrees with its motion [units of time], >= 0
   double remember = 5.0;
   /// An established track whose gate is so many times as wide as the sightings' own sigma would make it,
-  /// times the unit of its time over one second, is updated with false sightings alone: it is deleted. > 1
+  /// times the unit of its time over one second, is updated with false sightings alone: it is deleted. One
+  /// that is lost is not updated, and is remembered. > 1
   double max_spread = 30.0;
   /// Scans in a row in which two tracks at the same place with the same motion share the sightings of one
   /// target, after which the younger is deleted, >= 1
