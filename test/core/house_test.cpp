@@ -106,6 +106,11 @@ TEST(House, ReportIncludesNoRos) {
   expectIncludesMatch("report", R"([a-z_0-9]+|Eigen/.*|sightline/(core|report)/.*)");
 }
 
+TEST(House, FormatsIncludeNoRosAndTheLibrariesOfFilesAndTheSky) {
+  expectIncludesMatch("formats",
+                      R"([a-z_0-9]+|Eigen/.*|sightline/(core|report|formats)/.*|erfa\.h|tinyxml2\.h|yaml-cpp/yaml\.h)");
+}
+
 TEST(House, RoomsOfTheCoreIncludeOnlyRoomsOnFloorsBelow) {
   expectFloorsHold("core", kCoreFloors);
 }
@@ -115,7 +120,7 @@ TEST(House, RoomsOfTheRosLayerIncludeOnlyRoomsOnFloorsBelow) {
 }
 
 TEST(House, EveryHeaderAndSourceOfARoomStandInTheSameRoom) {
-  for (const std::string layer : {"core", "report", "ros"}) {
+  for (const std::string layer : {"core", "report", "formats", "ros"}) {
     for (const fs::path& file : filesOf(layer)) {
       if (file.extension() != ".cpp") continue;
       const fs::path relative = fs::relative(file, kRoot / "src").replace_extension(".h");

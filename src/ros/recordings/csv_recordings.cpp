@@ -17,9 +17,11 @@
 #include <rosbag/view.h>
 
 #include "sightline/core/model/sighting.h"
+#include "sightline/formats/geodesy.h"
 #include "sightline/report/output_file.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/recordings/bags.h"
+#include "sightline/ros/recordings/station_frames.h"
 
 namespace sightline_ros {
 
@@ -143,12 +145,23 @@ std::string csvOf(const sightline::TrackArray& tracks) {
 }
 
 std::string convertCsvToBag(const std::string& csv, const std::string& bag_file, const std::string& frame,
-                            double offset) {
-  const auto scans = scansOf(readSightingTable(csv), frame, offset);
+                            double offset, const std::string& stations) {
+  auto scans = scansOf(readSightingTable(csv), frame, offset);
   if (scans.empty()) throw report::CsvError(csv + ": there is no sighting in it");
+  sightline::formats::StationLayout layout;
+  std::set<std::string> sensors;
+  if (!stations.empty()) {
+    layout = sightline::formats::readStationLayout(stations);
+    for (auto& scan : scans) {
+      scan.header.frame_id = scan.sensor;
+      sensors.insert(scan.sensor);
+    }
+  }
   std::set<std::string> topics;
   std::size_t sightings = 0;
-  writeBag(bag_file, {csv}, [&](rosbag::Bag& bag) {
+  writeBag(bag_file, {csv, stations}, [&](rosbag::Bag& bag) {
+    if (!stations.empty())
+      writeStationFrames(bag, layout, sensors, scans.front().header.stamp, "add it to " + stations);
     for (const auto& scan : scans) {
       const std::string topic = sensorTopic(scan.sensor, "sightings");
       bag.write(topic, scan.header.stamp, scan);
@@ -157,8 +170,8 @@ std::string convertCsvToBag(const std::string& csv, const std::string& bag_file,
     }
   });
   std::ostringstream summary;
-  summary << bag_file << ": " << scans.size() << " scans with " << sightings << " sightings in frame "
-          << frame << " on";
+  summary << bag_file << ": " << scans.size() << " scans with " << sightings << " sightings in "
+          << (stations.empty() ? "frame " + frame : "the frames of their sensors") << " on";
   for (const std::string& topic : topics) summary << ' ' << topic;
   return summary.str();
 }

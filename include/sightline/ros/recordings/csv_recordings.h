@@ -25,9 +25,11 @@ std::string trackColumns();
 /// One line with line end for each track of the message.
 std::string csvOf(const sightline::TrackArray& tracks);
 
-/// Runs csv_to_bag: returns a line about what was written.
+/// Runs csv_to_bag: returns a line about what was written. `stations` is a table of the sensors' positions
+/// (readStationLayout); empty = none. With it each sensor's scans are in a frame of its own, named as the
+/// sensor, with its place in /tf_static, and `frame` is not used.
 std::string convertCsvToBag(const std::string& csv, const std::string& bag, const std::string& frame,
-                            double offset);
+                            double offset, const std::string& stations = {});
 
 /// Runs bag_to_csv: the tracks of `topics`, or of all TrackArray topics when there are none given. Returns a
 /// line about what was written. Throws std::runtime_error when there is none.
