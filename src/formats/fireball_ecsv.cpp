@@ -15,6 +15,7 @@ namespace sightline::formats {
 namespace {
 
 const char* const kFormat = "fireball ECSV";
+constexpr std::size_t kLongestHeader = std::size_t{1} << 20;  // [bytes]
 
 /// The commented YAML at the top of the file, and the table below it.
 struct Ecsv {
@@ -71,6 +72,7 @@ Ecsv readHeader(const TextFile& file) {
     std::string_view content = text.substr(text.size() > 1 && text[1] == ' ' ? 2 : 1);
     if (!content.empty() && (content.front() == '%' || content.substr(0, 3) == "---")) content = {};
     yaml.append(content).push_back('\n');
+    if (yaml.size() > kLongestHeader) throw file.error(line, "the header is longer than a megabyte");
   }
   readYaml(file, yaml, ecsv);
   if (line > file.lines()) throw file.error(0, "ends within the header: it is not complete");

@@ -3,8 +3,15 @@
 #include <cstdio>
 #include <sstream>
 
+#include "sightline/formats/ccsds_tdm.h"
+#include "sightline/formats/cmn_sightings.h"
 #include "sightline/formats/csv_sightings.h"
 #include "sightline/formats/fireball_ecsv.h"
+#include "sightline/formats/krakensdr_bearings.h"
+#include "sightline/formats/mot_boxes.h"
+#include "sightline/formats/observer_reports.h"
+#include "sightline/formats/odas_sources.h"
+#include "sightline/formats/rms_detections.h"
 
 namespace sightline::formats {
 namespace {
@@ -43,6 +50,15 @@ const std::vector<Format>& formats() {
   static const std::vector<Format> all{
       {"ecsv", "fireball ECSV (Desert Fireball Network, Global Fireball Exchange)", isFireballEcsv,
        readFireballEcsv},
+      {"tdm", "CCSDS Tracking Data Message, text", isTdmText, readTdmText},
+      {"tdm-xml", "CCSDS Tracking Data Message, XML", isTdmXml, readTdmXml},
+      {"rms", "FTPdetectinfo of RMS meteor stations", isRmsDetections, readRmsDetections},
+      {"cmn", "Croatian Meteor Network", isCmn, readCmn},
+      {"odas", "sound sources of ODAS, JSON", isOdas, readOdas},
+      {"krakensdr", "bearings of a KrakenSDR", isKrakenSdr, readKrakenSdr},
+      {"iod", "observers' reports of satellites, IOD", isIod, readIod},
+      {"uk", "observers' reports of satellites, UK", isUk, readUk},
+      {"mot", "boxes of MOTChallenge", isMotBoxes, readMotBoxes},
       {"csv", "a table with a header line", isCsv, readCsv},
   };
   return all;

@@ -77,6 +77,14 @@ sightline::Sighting sightingOf(const report::CsvTable& table, std::size_t row) {
   return sighting;
 }
 
+/// Whether a row says that the sensor looked and saw nothing.
+bool sawNothing(const report::CsvTable& table, std::size_t row) {
+  for (const char* column : {"azimuth", "elevation", "sigma_azimuth", "sigma_elevation"}) {
+    if (!table.text(row, column).empty()) return false;
+  }
+  return true;
+}
+
 sightline::SightingArray emptyScan(const ros::Time& stamp, const std::string& sensor,
                                    const std::string& frame) {
   sightline::SightingArray scan;
@@ -89,6 +97,23 @@ sightline::SightingArray emptyScan(const ros::Time& stamp, const std::string& se
 
 double sigma(const sightline::Track& track, int channel) {
   return std::sqrt(track.covariance[channel * 5]);
+}
+
+/// Rows of a scan, of name `scan`, for csv_to_bag.
+std::string csvOf(const sightline::SightingArray& array, const std::string& scan) {
+  std::ostringstream lines;
+  lines << std::setprecision(12);
+  for (const auto& sighting : array.sightings) {
+    lines << array.header.stamp << ',' << array.sensor << ',' << sighting.azimuth << ',' << sighting.elevation
+          << ',' << std::sqrt(sighting.covariance[0]) << ',' << std::sqrt(sighting.covariance[3]) << ','
+          << scan << '\n';
+  }
+  if (array.sightings.empty()) lines << array.header.stamp << ',' << array.sensor << ",,,,," << scan << '\n';
+  return lines.str();
+}
+
+bool isWanted(const std::vector<std::string>& topics, const std::string& topic) {
+  return topics.empty() || std::find(topics.begin(), topics.end(), topic) != topics.end();
 }
 
 /// Tracks by their stamp; those of one instant by topic.
@@ -116,7 +141,7 @@ std::vector<sightline::SightingArray> scansOf(const report::CsvTable& table, con
       throw table.error(
           row, "scan: \"" + name + "\" of " + sensor + " has rows of different times; one exposure has one");
     }
-    scan.sightings.push_back(sightingOf(table, row));
+    if (!sawNothing(table, row)) scan.sightings.push_back(sightingOf(table, row));
   }
   std::stable_sort(scans.begin(), scans.end(), [](const auto& a, const auto& b) {
     return std::tie(a.header.stamp, a.sensor) < std::tie(b.header.stamp, b.sensor);
@@ -183,8 +208,7 @@ std::string convertBagToCsv(const std::string& bag_file, const std::string& csv,
   TrackLines lines;
   rosbag::View view(*bag, rosbag::TypeQuery(ros::message_traits::datatype<sightline::TrackArray>()));
   for (const rosbag::MessageInstance& instance : view) {
-    if (!topics.empty() && std::find(topics.begin(), topics.end(), instance.getTopic()) == topics.end())
-      continue;
+    if (!isWanted(topics, instance.getTopic())) continue;
     const auto tracks = instance.instantiate<sightline::TrackArray>();
     if (!tracks)
       throw std::runtime_error(bag_file + ": " + instance.getTopic() +
@@ -193,11 +217,36 @@ std::string convertBagToCsv(const std::string& bag_file, const std::string& csv,
   }
   if (lines.empty())
     throw std::runtime_error(bag_file + ": there is no TrackArray message in it" +
-                             (topics.empty() ? "" : " on these topics"));
+                             (topics.empty() ? "" : " on these topics") +
+                             "; sightings are written with --sightings");
   table.stream() << trackColumns() << '\n';
   for (const auto& line : lines) table.stream() << line.second;
   table.finish();
   return csv + ": " + std::to_string(lines.size()) + " messages";
+}
+
+std::string convertBagToSightingCsv(const std::string& bag_file, const std::string& csv,
+                                    const std::vector<std::string>& topics) {
+  report::TextFile table(csv, {bag_file});
+  const auto bag = openBag(bag_file);
+  std::multimap<std::tuple<ros::Time, std::string>, std::string> lines;
+  rosbag::View view(*bag, rosbag::TypeQuery(ros::message_traits::datatype<sightline::SightingArray>()));
+  std::size_t number = 0;
+  for (const rosbag::MessageInstance& instance : view) {
+    if (!isWanted(topics, instance.getTopic())) continue;
+    const auto scan = instance.instantiate<sightline::SightingArray>();
+    if (!scan)
+      throw std::runtime_error(bag_file + ": " + instance.getTopic() +
+                               " has another definition of SightingArray");
+    lines.emplace(std::make_tuple(scan->header.stamp, scan->sensor), csvOf(*scan, std::to_string(++number)));
+  }
+  if (lines.empty())
+    throw std::runtime_error(bag_file + ": there is no SightingArray message in it" +
+                             (topics.empty() ? "" : " on these topics"));
+  table.stream() << "time,sensor,azimuth,elevation,sigma_azimuth,sigma_elevation,scan\n";
+  for (const auto& line : lines) table.stream() << line.second;
+  table.finish();
+  return csv + ": " + std::to_string(lines.size()) + " scans";
 }
 
 }  // namespace sightline_ros

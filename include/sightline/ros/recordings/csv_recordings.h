@@ -13,9 +13,10 @@ namespace sightline_ros {
 /// Columns of a recording of sightings; `scan` (any text) is optional: without it each row is a scan.
 sightline::report::CsvTable readSightingTable(const std::string& path);
 
-/// The recording as scans, in order of time and sensor. Times get `offset` [s] added; `frame` is that of the
-/// angles. Throws CsvError, with the line, for a time that ROS cannot hold, a sensor name that no topic can
-/// be made of, a sighting that every tracker would reject, and a scan whose rows differ in time.
+/// The recording as scans, in order of time and sensor; a row whose four angles are empty says that the
+/// sensor saw nothing. Times get `offset` [s] added; `frame` is that of the angles. Throws CsvError, with the
+/// line, for a time that ROS cannot hold, a sensor name that no topic can be made of, a sighting that every
+/// tracker would reject, and a scan whose rows differ in time.
 std::vector<sightline::SightingArray> scansOf(const sightline::report::CsvTable& table,
                                               const std::string& frame, double offset);
 
@@ -35,5 +36,12 @@ std::string convertCsvToBag(const std::string& csv, const std::string& bag, cons
 /// line about what was written. Throws std::runtime_error when there is none.
 std::string convertBagToCsv(const std::string& bag, const std::string& csv,
                             const std::vector<std::string>& topics);
+
+/// Runs bag_to_csv --sightings: the scans of `topics`, or of all SightingArray topics, as readSightingTable
+/// and import_sightings read them; a scan that saw nothing is a row without angles. The correlation of
+/// azimuth and elevation is left out. Returns a line about what was written. Throws std::runtime_error when
+/// there is none.
+std::string convertBagToSightingCsv(const std::string& bag, const std::string& csv,
+                                    const std::vector<std::string>& topics);
 
 }  // namespace sightline_ros
