@@ -92,11 +92,18 @@ Eigen::Matrix3d eastNorthUp(const Station& station) {
 StationLayout layoutOf(const std::map<std::string, Station>& stations) {
   StationLayout layout;
   if (stations.empty()) return layout;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& [sensor, station] : stations)
-    mean += earthFixed(station) / static_cast<double>(stations.size());
-  // A single station is the origin itself, to the last bit.
-  layout.origin = stations.size() == 1 ? stations.begin()->second : stationAt(mean);
+  // The differences from the first one, so that longitudes of 179 and -179 degrees have their mean between
+  // them.
+  const Station first = stations.begin()->second;
+  Station mean = first;
+  for (const auto& [sensor, station] : stations) {
+    const double share = 1.0 / static_cast<double>(stations.size());
+    mean.latitude += share * (station.latitude - first.latitude);
+    mean.longitude += share * core::wrapAngle(station.longitude - first.longitude);
+    mean.height += share * (station.height - first.height);
+  }
+  mean.longitude = core::wrapAngle(mean.longitude);
+  layout.origin = mean;
   const Eigen::Vector3d origin = earthFixed(*layout.origin);
   const Eigen::Matrix3d R_world_from_earth = eastNorthUp(*layout.origin).transpose();
   for (const auto& [sensor, station] : stations) {

@@ -36,7 +36,7 @@ TEST(FireballEcsv, GlobalFireballExchangeNeedsASigmaAndMayHaveAnEmptyTelescope) 
   EXPECT_NEAR(recording.scans[0].sightings[0].sigma.x(), 0.001 / std::cos(45.0 * kDegree), 1e-12);
   EXPECT_EQ(recording.scans[0].sightings[0].sigma.y(), 0.002);
   EXPECT_TRUE(contains(remarksOf(recording),
-                       "picks without azimuth and altitude are left out (1 line, first line 22)"));
+                       "picks without azimuth and altitude are left out (1 line, first line 24)"));
 }
 
 TEST(FireballEcsv, WithRightAscensionAloneItIsTurnedIntoTheHorizon) {
@@ -51,16 +51,16 @@ TEST(FireballEcsv, MistakesAreNamedWithLineAndValue) {
   EXPECT_TRUE(contains(refusalOf(changed("dfn_small_36.ecsv", "35.1734265515", "x"), {}),
                        "altitude: expected degrees, got \"x\""));
   EXPECT_TRUE(contains(refusalOf(changed("gfe.ecsv", "2021-08-12T22:01:00.040000", "22:01"), withSigma()),
-                       "file:21: datetime: expected 2014-11-25T15:21:15.386, got \"22:01\""));
+                       "file:23: datetime: expected 2014-11-25T15:21:15.386, got \"22:01\""));
   EXPECT_TRUE(contains(refusalOf(changed("gfe.ecsv", "403.5,303.5", "403.5"), withSigma()),
-                       "file:23: expected 8 fields, got 7: is the file complete?"));
+                       "file:25: expected 8 fields, got 7: is the file complete?"));
   EXPECT_TRUE(
       contains(refusalOf(changed("gfe.ecsv", "{name: ra", "{{name: ra"), withSigma()), "commented YAML"));
   EXPECT_TRUE(contains(
       refusalOf(changed("gfe.ecsv", "{name: dec, unit: deg", "{name: dec, unit: hourangle"), withSigma()),
       "dec: expected the unit deg, got \"hourangle\""));
   EXPECT_TRUE(contains(refusalOf(changed("gfe.ecsv", "90.0000,45.0000", "90.0000,145.0000"), withSigma()),
-                       "file:20: "));
+                       "file:22: "));
   EXPECT_TRUE(
       contains(refusalOf(changed("gfe.ecsv", "obs_latitude: 48.1370", "obs_latitude: 148.1370"), withSigma()),
                "is not on the earth"));

@@ -30,11 +30,20 @@ TEST(Geodesy, StationsStandInAFrameAtTheirMeanAndLookAlongTheirOwnHorizons) {
   EXPECT_NEAR((w.origin - e.origin).norm(), (earthFixed(west) - earthFixed(east)).norm(), 1e-6);
   EXPECT_NEAR(w.origin.x(), -e.origin.x(), 1e-6);
   EXPECT_GT(e.origin.x(), 37000.0);
-  EXPECT_NEAR((w.origin + e.origin).norm(), 0.0, 1e-3);
+  EXPECT_NEAR(w.origin.z(), e.origin.z(), 1e-6);
+  EXPECT_NEAR(layout.origin->latitude, 48.0 * kDegree, 1e-12);
+  EXPECT_NEAR(layout.origin->longitude, 10.5 * kDegree, 1e-12);
+  EXPECT_NEAR(layout.origin->height, 500.0, 1e-9);
   // The eastern station's up leans to the east.
   EXPECT_NEAR(e.rotation(0, 2), std::cos(48.0 * kDegree) * std::sin(0.5 * kDegree), 1e-9);
   EXPECT_NEAR((e.rotation * e.rotation.transpose() - Eigen::Matrix3d::Identity()).norm(), 0.0, 1e-12);
   EXPECT_NEAR(e.rotation.determinant(), 1.0, 1e-12);
+}
+
+TEST(Geodesy, TheMeanOfLongitudesAcrossTheDateLineIsThere) {
+  const StationLayout layout =
+      layoutOf({{"a", {0.1, 179.0 * kDegree, 0.0}}, {"b", {0.1, -179.0 * kDegree, 0.0}}});
+  EXPECT_NEAR(std::abs(layout.origin->longitude), 180.0 * kDegree, 1e-9);
 }
 
 TEST(Geodesy, OneStationIsTheOriginItself) {

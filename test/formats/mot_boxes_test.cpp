@@ -64,7 +64,7 @@ TEST(MotBoxes, ATruthCountsOnlyWhatIsMarkedAndNamesItsTargets) {
   const auto recording = readRecording(sample("mot_gt.txt"), options);
   EXPECT_EQ(sightingsOf(recording), 2u);
   const std::string truth = sightline::formats::truthCsv(recording);
-  EXPECT_EQ(truth.substr(0, 60), "time,target,sensor,azimuth,elevation\n100.000000000,7,cam,-0.");
+  EXPECT_EQ(truth.substr(0, 60), "time,target,sensor,azimuth,elevation\n100.000000000,7,cam,0.0");
 }
 
 TEST(MotBoxes, MistakesAreNamed) {

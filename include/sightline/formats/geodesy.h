@@ -35,7 +35,8 @@ struct StationLayout {
   std::optional<Station> origin;             ///< of `world`, where it is known
 };
 
-/// `world` = east, north, up at the mean of the stations; each station's frame = its own east, north, up.
+/// `world` = east, north, up at the mean latitude, longitude and height of the stations; each station's frame
+/// = its own east, north, up.
 StationLayout layoutOf(const std::map<std::string, Station>& stations);
 
 /// Reads STATIONS.csv: `sensor,east_m,north_m,up_m` (axes of every station parallel to `world`) or
