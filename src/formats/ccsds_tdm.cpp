@@ -8,7 +8,6 @@
 
 #include "sightline/core/model/sphere.h"
 #include "sightline/formats/field_text.h"
-#include "sightline/formats/star_coordinates.h"
 #include "sightline/report/value_text.h"
 
 namespace sightline::formats {
@@ -168,11 +167,7 @@ class Segments {
     if (angle_type_ == "AZEL") {
       sighting.angles = {fromCompass(first), second};
     } else {
-      const Station station = builder_.station(sensor_, line, "azimuths from right ascensions");
-      const auto angles = horizontalOf({first, second}, Equinox::j2000, time, station,
-                                       builder_.options().ut1_minus_utc.value_or(0.0));
-      if (!angles) throw file_.error(line, "the epoch " + isoText(time) + " is too far from today");
-      sighting.angles = *angles;
+      sighting.angles = builder_.fromStars(line, time, sensor_, {first, second}, Equinox::j2000);
     }
     builder_.add(line, time, sensor_, sighting);
   }

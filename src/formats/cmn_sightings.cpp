@@ -4,7 +4,6 @@
 
 #include "sightline/core/model/sphere.h"
 #include "sightline/formats/field_text.h"
-#include "sightline/formats/star_coordinates.h"
 #include "sightline/report/value_text.h"
 
 namespace sightline::formats {
@@ -34,7 +33,6 @@ class Reader {
       else
         readSighting(text);
     }
-    builder_.remark("azimuth and elevation from right ascension and declination (J2000), without refraction");
     return builder_.finish();
   }
 
@@ -74,13 +72,10 @@ class Reader {
                         "expected right ascension (0 to 360) and declination (-90 to 90) in degrees, got \"" +
                             fields[1] + "\" and \"" + fields[2] + "\"");
     }
-    const Station station = builder_.station(sensor_, line_, "azimuths from right ascensions");
-    const auto angles =
-        horizontalOf({*right_ascension * core::kDegree, *declination * core::kDegree}, Equinox::j2000, *time,
-                     station, builder_.options().ut1_minus_utc.value_or(0.0));
-    if (!angles) throw file_.error(line_, "the Julian date " + fields[0] + " is too far from today");
     FileSighting sighting;
-    sighting.angles = *angles;
+    sighting.angles =
+        builder_.fromStars(line_, *time, sensor_,
+                           {*right_ascension * core::kDegree, *declination * core::kDegree}, Equinox::j2000);
     builder_.add(line_, *time, sensor_, sighting);
   }
 

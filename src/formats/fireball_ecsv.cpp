@@ -8,7 +8,6 @@
 
 #include "sightline/core/model/sphere.h"
 #include "sightline/formats/field_text.h"
-#include "sightline/formats/star_coordinates.h"
 #include "sightline/report/value_text.h"
 
 namespace sightline::formats {
@@ -193,12 +192,7 @@ class Reader {
       sighting.angles = {fromCompass(*a), *b};
       sighting.sigma = {sigma(line, "azimuth"), sigma(line, "altitude")};
     } else {
-      const Station station = builder_.station(sensor_, line, "azimuths from right ascensions");
-      const auto angles = horizontalOf({*a, *b}, Equinox::j2000, *time, station,
-                                       builder_.options().ut1_minus_utc.value_or(0.0));
-      if (!angles) throw file_.error(line, "datetime: " + text("datetime") + " is too far from today");
-      sighting.angles = *angles;
-      builder_.count("azimuth and elevation from ra and dec (J2000), without refraction", line);
+      sighting.angles = builder_.fromStars(line, *time, sensor_, {*a, *b}, Equinox::j2000);
     }
     builder_.add(line, *time, sensor_, sighting);
   }

@@ -9,7 +9,6 @@
 
 #include "sightline/core/model/sphere.h"
 #include "sightline/formats/field_text.h"
-#include "sightline/formats/star_coordinates.h"
 #include "sightline/report/value_text.h"
 
 namespace sightline::formats {
@@ -206,33 +205,15 @@ class Reader {
   }
 
   Eigen::Vector2d fromStars(const Report& report, const AngleCode& code, core::Time time) {
-    const Station station = builder_.station(report.station, line_, "azimuths from right ascensions");
-    const auto found = horizontalOf(angles(report, code), equinoxOf(report), time, station,
-                                    builder_.options().ut1_minus_utc.value_or(0.0));
-    if (!found) throw file_.error(line_, "the time " + report.time + " is too far from today");
-    return *found;
+    return builder_.fromStars(line_, time, report.station, angles(report, code), equinoxOf(report));
   }
 
-  Equinox equinoxOf(const Report& report) {
-    switch (report.epoch) {
-      case '5':
-        builder_.count(
-            "azimuth and elevation from right ascension and declination (J2000), without refraction", line_);
-        return Equinox::j2000;
-      case '4':
-        builder_.count(
-            "azimuth and elevation from right ascension and declination (B1950), without refraction", line_);
-        return Equinox::b1950;
-      case '0':
-      case ' ':
-        builder_.count(
-            "azimuth and elevation from right ascension and declination (of date), without refraction",
-            line_);
-        return Equinox::of_date;
-      default:
-        throw file_.error(line_, std::string("the code of the equinox is \"") + report.epoch +
-                                     "\": expected 0 (of date), 4 (1950) or 5 (2000); convert the position");
-    }
+  Equinox equinoxOf(const Report& report) const {
+    if (report.epoch == '5') return Equinox::j2000;
+    if (report.epoch == '4') return Equinox::b1950;
+    if (report.epoch == '0' || report.epoch == ' ') return Equinox::of_date;
+    throw file_.error(line_, std::string("the code of the equinox is \"") + report.epoch +
+                                 "\": expected 0 (of date), 4 (1950) or 5 (2000); convert the position");
   }
 
   const TextFile& file_;

@@ -67,6 +67,22 @@ void RecordingBuilder::setStation(const std::string& sensor, const Station& stat
   recording_.stations[sensor] = station;
 }
 
+Eigen::Vector2d RecordingBuilder::fromStars(std::size_t line, core::Time time, const std::string& sensor,
+                                            const Eigen::Vector2d& right_ascension_declination,
+                                            Equinox equinox) {
+  const Station at = station(sensor, line, "azimuths from right ascensions");
+  const double ut1_minus_utc = options_.ut1_minus_utc.value_or(0.0);
+  const auto angles = horizontalOf(right_ascension_declination, equinox, time, at, ut1_minus_utc);
+  if (!angles)
+    throw file_.error(line, "the time " + isoText(time) + " is too far from today for the earth's rotation");
+  const char* of = equinox == Equinox::j2000 ? "J2000" : equinox == Equinox::b1950 ? "B1950" : "of date";
+  count(std::string("azimuth and elevation from right ascension and declination (") + of +
+            "), without refraction, UT1 - UTC " +
+            (options_.ut1_minus_utc ? "as told" : "taken for 0 (up to 14 arc seconds; --ut1-utc)"),
+        line);
+  return *angles;
+}
+
 void RecordingBuilder::remark(const std::string& text) {
   recording_.remarks.push_back(text);
 }

@@ -44,7 +44,9 @@ TEST(FireballEcsv, WithRightAscensionAloneItIsTurnedIntoTheHorizon) {
       changed("gfe.ecsv", "datetime,ra,dec,azimuth,altitude", "datetime,ra,dec,azimuth,height");
   const Recording recording = read(text, withSigma());
   ASSERT_EQ(recording.scans.size(), 4u);
-  EXPECT_TRUE(contains(remarksOf(recording), "from ra and dec (J2000)"));
+  EXPECT_TRUE(
+      contains(remarksOf(recording),
+               "from right ascension and declination (J2000), without refraction, UT1 - UTC taken for 0"));
 }
 
 TEST(FireballEcsv, MistakesAreNamedWithLineAndValue) {

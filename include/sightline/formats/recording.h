@@ -11,6 +11,7 @@
 #include "sightline/core/model/time.h"
 #include "sightline/formats/geodesy.h"
 #include "sightline/formats/import_options.h"
+#include "sightline/formats/star_coordinates.h"
 #include "sightline/formats/text_file.h"
 
 namespace sightline::formats {
@@ -64,12 +65,16 @@ class RecordingBuilder {
   /// needed for `purpose` and not known.
   Station station(const std::string& sensor, std::size_t line, const std::string& purpose) const;
 
+  /// Azimuth and elevation at the sensor's station of right ascension and declination [rad]. Throws
+  /// FormatError where the station is not known.
+  Eigen::Vector2d fromStars(std::size_t line, core::Time time, const std::string& sensor,
+                            const Eigen::Vector2d& right_ascension_declination, Equinox equinox);
+
   void remark(const std::string& text);
 
   /// Counts something that is said once at the end: "3 lines: <what> (first in line 17)".
   void count(const std::string& what, std::size_t line);
 
-  const TextFile& file() const { return file_; }
   const ImportOptions& options() const { return options_; }
   std::size_t sightings() const { return sightings_; }
 
