@@ -107,8 +107,9 @@ TEST(House, ReportIncludesNoRos) {
 }
 
 TEST(House, FormatsIncludeNoRosAndTheLibrariesOfFilesAndTheSky) {
-  expectIncludesMatch("formats",
-                      R"([a-z_0-9]+|Eigen/.*|sightline/(core|report|formats)/.*|erfa\.h|tinyxml2\.h|yaml-cpp/yaml\.h)");
+  expectIncludesMatch(
+      "formats",
+      R"([a-z_0-9]+|Eigen/.*|sightline/(core|report|formats)/.*|erfa\.h|tinyxml2\.h|yaml-cpp/yaml\.h)");
 }
 
 TEST(House, RoomsOfTheCoreIncludeOnlyRoomsOnFloorsBelow) {

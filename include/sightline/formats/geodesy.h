@@ -36,7 +36,7 @@ struct StationLayout {
 };
 
 /// `world` = east, north, up at the mean latitude, longitude and height of the stations; each station's frame
-/// = its own east, north, up.
+/// = its own east, north, up (S-133).
 StationLayout layoutOf(const std::map<std::string, Station>& stations);
 
 /// Reads STATIONS.csv: `sensor,east_m,north_m,up_m` (axes of every station parallel to `world`) or

@@ -93,7 +93,7 @@ class RecordingBuilder {
   std::size_t sightings_ = 0, default_sigmas_ = 0;
 };
 
-/// Azimuth [rad], counter-clockwise from east, of one that is clockwise from north, in (-pi, pi].
+/// Azimuth [rad], counter-clockwise from east, of one that is clockwise from north, in (-pi, pi] (S-131).
 double fromCompass(double compass);
 
 /// Several files' recordings as one. Throws FormatError when two of them place one sensor differently.

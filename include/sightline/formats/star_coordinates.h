@@ -20,7 +20,7 @@ enum class Equinox {
 /// Azimuth (counter-clockwise from east) and elevation [rad] at the station, without refraction, of a place
 /// among the stars: right ascension and declination [rad] as measured against a catalogue (astrometric) for
 /// j2000 and b1950, apparent for of_date. Precession, nutation, annual and diurnal aberration; no polar
-/// motion. `ut1_minus_utc` [s] is at most 0.9. nullopt for a time that ERFA does not know.
+/// motion. `ut1_minus_utc` [s] is at most 0.9. nullopt for a time that ERFA does not know. (S-132)
 std::optional<Eigen::Vector2d> horizontalOf(const Eigen::Vector2d& right_ascension_declination,
                                             Equinox equinox, core::Time time, const Station& station,
                                             double ut1_minus_utc);
