@@ -92,6 +92,7 @@ TEST(TrackCombination, AStateThatIsNoTrackIsWithheld) {
 
 TEST(TrackCombination, TrackletsThatAnEstimatorCannotTakeAreCounted) {
   Combined combined(FusionRule::tracklets);
+  combined.params.tracklets.estimator.kind = EstimatorKind::twbls;
   combined.params.tracklets.estimator.twbls_form = EstimatorForm::paper;
   combined.params.tracklets.estimator.twbls.sensor_weight = SensorWeight::ifov;  // throws without
   combined.entry.tracklets = TrackletFusion(combined.params.tracklets);

@@ -108,6 +108,7 @@ TEST(TrackletTrack, WhatASourceSaidCanBeTakenBack) {
 
 TEST(TrackletTrack, ATrackletThatTheEstimatorCannotTakeIsDroppedAndTheStateIsAsWithoutIt) {
   EstimatorParams paper;
+  paper.kind = EstimatorKind::twbls;
   paper.twbls_form = EstimatorForm::paper;
   paper.twbls.sensor_weight = SensorWeight::ifov;  // throws without
   TrackletTrack with(paper, 0.5, noGuard()), without(paper, 0.5, noGuard());
