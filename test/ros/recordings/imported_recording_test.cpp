@@ -121,7 +121,7 @@ TEST(ImportedRecording, ATruthIsWhatEvaluateReads) {
   std::getline(stream, head);
   std::getline(stream, first);
   EXPECT_EQ(head, "time,target,sensor,azimuth,elevation");
-  EXPECT_EQ(first.substr(0, 48), "1416928875.386000000,1,DFNSMALL36,-1.93511525850");
+  EXPECT_EQ(first.substr(0, 43), "1416928875.386000000,1,DFNSMALL36,-1.935115");
 }
 
 TEST(ImportedRecording, NothingIsHalfWrittenAndNoInputIsOverwritten) {
