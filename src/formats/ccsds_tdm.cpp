@@ -1,8 +1,11 @@
 #include "sightline/formats/ccsds_tdm.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <tinyxml2.h>
 #include <utility>
 
@@ -12,6 +15,8 @@
 
 namespace sightline::formats {
 namespace {
+
+constexpr std::size_t kLargestXml = std::size_t{64} << 20;  // [bytes]: its tree takes several times as much
 
 struct Entry {
   std::string value;
@@ -189,6 +194,35 @@ std::size_t lineOf(const tinyxml2::XMLElement& element) {
   return static_cast<std::size_t>(std::max(element.GetLineNum(), 0));
 }
 
+void readObservation(const TextFile& file, const tinyxml2::XMLElement& observation, Segments& segments) {
+  const auto* epoch = observation.FirstChildElement("EPOCH");
+  if (epoch == nullptr) throw file.error(lineOf(observation), "an <observation> has no <EPOCH>");
+  for (const auto* entry = observation.FirstChildElement(); entry != nullptr;
+       entry = entry->NextSiblingElement()) {
+    if (entry != epoch) segments.observe(lineOf(*entry), entry->Name(), valueOf(*epoch), valueOf(*entry));
+  }
+}
+
+void readTdmElement(const TextFile& file, const tinyxml2::XMLElement& tdm, Segments& segments) {
+  const auto* body = tdm.FirstChildElement("body");
+  if (body == nullptr) throw file.error(lineOf(tdm), "this <tdm> has no <body>");
+  for (const auto* segment = body->FirstChildElement("segment"); segment != nullptr;
+       segment = segment->NextSiblingElement("segment")) {
+    Metadata metadata;
+    if (const auto* entries = segment->FirstChildElement("metadata")) {
+      for (const auto* entry = entries->FirstChildElement(); entry != nullptr;
+           entry = entry->NextSiblingElement())
+        metadata[entry->Name()] = {valueOf(*entry), lineOf(*entry)};
+    }
+    segments.begin(std::move(metadata), lineOf(*segment));
+    const auto* data = segment->FirstChildElement("data");
+    const auto* observation = data != nullptr ? data->FirstChildElement("observation") : nullptr;
+    for (; observation != nullptr; observation = observation->NextSiblingElement("observation"))
+      readObservation(file, *observation, segments);
+    segments.end();
+  }
+}
+
 }  // namespace
 
 bool isTdmText(const TextFile& file) {
@@ -240,38 +274,22 @@ Recording readTdmText(const TextFile& file, const ImportOptions& options) {
 }
 
 Recording readTdmXml(const TextFile& file, const ImportOptions& options) {
+  if (file.text().size() > kLargestXml)
+    throw file.error(
+        0, "has more than " + std::to_string(kLargestXml >> 20) + " MiB, too much for XML: split it");
   tinyxml2::XMLDocument document;
   if (document.Parse(file.text().c_str(), file.text().size()) != tinyxml2::XML_SUCCESS) {
     throw file.error(static_cast<std::size_t>(std::max(document.ErrorLineNum(), 0)),
                      std::string("is no complete XML: ") + document.ErrorName());
   }
   const tinyxml2::XMLElement* root = document.RootElement();
-  // In a Navigation Data Message the TDM is one of several.
-  const tinyxml2::XMLElement* tdm =
-      root != nullptr && std::string(root->Name()) != "tdm" ? root->FirstChildElement("tdm") : root;
-  const tinyxml2::XMLElement* body = tdm != nullptr ? tdm->FirstChildElement("body") : nullptr;
-  if (body == nullptr) throw file.error(0, "there is no <tdm> with a <body> in it");
   Segments segments(file, options);
-  for (const auto* segment = body->FirstChildElement("segment"); segment != nullptr;
-       segment = segment->NextSiblingElement("segment")) {
-    Metadata metadata;
-    if (const auto* data = segment->FirstChildElement("metadata")) {
-      for (const auto* entry = data->FirstChildElement(); entry != nullptr;
-           entry = entry->NextSiblingElement())
-        metadata[entry->Name()] = {valueOf(*entry), lineOf(*entry)};
-    }
-    segments.begin(std::move(metadata), lineOf(*segment));
-    const auto* data = segment->FirstChildElement("data");
-    const auto* observation = data != nullptr ? data->FirstChildElement("observation") : nullptr;
-    for (; observation != nullptr; observation = observation->NextSiblingElement("observation")) {
-      const auto* epoch = observation->FirstChildElement("EPOCH");
-      if (epoch == nullptr) throw file.error(lineOf(*observation), "an <observation> has no <EPOCH>");
-      for (const auto* entry = observation->FirstChildElement(); entry != nullptr;
-           entry = entry->NextSiblingElement()) {
-        if (entry != epoch) segments.observe(lineOf(*entry), entry->Name(), valueOf(*epoch), valueOf(*entry));
-      }
-    }
-    segments.end();
+  if (root != nullptr && std::string(root->Name()) == "tdm") {
+    readTdmElement(file, *root, segments);
+  } else {  // in a combined message (ndm) there are several
+    const auto* tdm = root != nullptr ? root->FirstChildElement("tdm") : nullptr;
+    if (tdm == nullptr) throw file.error(0, "there is no <tdm> in it");
+    for (; tdm != nullptr; tdm = tdm->NextSiblingElement("tdm")) readTdmElement(file, *tdm, segments);
   }
   return segments.finish();
 }

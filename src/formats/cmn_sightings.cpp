@@ -1,6 +1,8 @@
 #include "sightline/formats/cmn_sightings.h"
 
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "sightline/core/model/sphere.h"
 #include "sightline/formats/field_text.h"

@@ -1,5 +1,6 @@
 #include "sightline/formats/formats.h"
 
+#include <cstdint>
 #include <cstdio>
 #include <sstream>
 

@@ -1,8 +1,11 @@
 #include "sightline/formats/mot_boxes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "sightline/core/model/sphere.h"

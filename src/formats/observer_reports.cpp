@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 #include <regex>
+#include <string>
+#include <string_view>
 
 #include "sightline/core/model/sphere.h"
 #include "sightline/formats/field_text.h"

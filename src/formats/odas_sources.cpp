@@ -1,6 +1,9 @@
 #include "sightline/formats/odas_sources.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include <yaml-cpp/yaml.h>
 

@@ -179,6 +179,8 @@ Recording RecordingBuilder::finish() {
 
 Recording merged(const std::vector<Recording>& recordings) {
   Recording all;
+  std::set<std::pair<std::string, core::Time>> seen;
+  std::map<std::string, std::size_t> doubled;  // by sensor
   for (const Recording& one : recordings) {
     if (all.format.find(one.format) == std::string::npos)
       all.format += (all.format.empty() ? "" : ", ") + one.format;
@@ -192,11 +194,19 @@ Recording merged(const std::vector<Recording>& recordings) {
       }
     }
     all.scans.insert(all.scans.end(), one.scans.begin(), one.scans.end());
-    all.remarks.insert(all.remarks.end(), one.remarks.begin(), one.remarks.end());
+    std::set<std::pair<std::string, core::Time>> own;
+    for (const FileScan& scan : one.scans) own.insert({scan.sensor, scan.time});
+    for (const auto& scan : own) doubled[scan.first] += seen.insert(scan).second ? 0 : 1;
   }
   std::stable_sort(all.scans.begin(), all.scans.end(), [](const FileScan& a, const FileScan& b) {
     return std::tie(a.time, a.sensor) < std::tie(b.time, b.sensor);
   });
+  for (const auto& [sensor, often] : doubled) {
+    if (often > 0) {
+      all.remarks.push_back(std::to_string(often) + " times of " + sensor +
+                            " stand in more than one file, and each is a scan: is a file given twice?");
+    }
+  }
   return all;
 }
 

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <optional>
 #include <regex>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "sightline/core/model/sphere.h"
 #include "sightline/formats/field_text.h"

@@ -1,5 +1,7 @@
 #include "sightline/formats/ccsds_tdm.h"
 
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "format_files.h"
@@ -78,6 +80,15 @@ TEST(CcsdsTdm, RightAscensionsNeedAFrameAndAStation) {
   const auto recording = read(text, options);
   EXPECT_EQ(sightingsOf(recording), 1u);
   EXPECT_EQ(recording.stations.count("SITE"), 1u);
+}
+
+TEST(CcsdsTdm, ACombinedMessageHoldsSeveral) {
+  std::string xml = sightline::formats::TextFile::fromFile(sample("tdm_azel.xml")).text();
+  const std::size_t begin = xml.find("<tdm"), end = xml.find("</tdm>") + 6;
+  std::string second = xml.substr(begin, end - begin);
+  for (std::size_t at = second.find("T00:57"); at != std::string::npos; at = second.find("T00:57"))
+    second.replace(at, 6, "T00:58");
+  EXPECT_EQ(sightingsOf(read("<ndm>" + xml.substr(begin, end - begin) + second + "</ndm>", withSigma())), 8u);
 }
 
 TEST(CcsdsTdm, MistakesAreNamed) {

@@ -1,5 +1,8 @@
 #include "sightline/formats/csv_sightings.h"
 
+#include <algorithm>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "format_files.h"

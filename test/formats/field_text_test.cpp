@@ -1,5 +1,10 @@
 #include "sightline/formats/field_text.h"
 
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "format_files.h"

@@ -1,5 +1,8 @@
 #include "sightline/formats/fireball_ecsv.h"
 
+#include <cmath>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "format_files.h"

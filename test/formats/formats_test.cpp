@@ -1,8 +1,10 @@
 #include "sightline/formats/formats.h"
 
-#include <gtest/gtest.h>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "sightline/formats/import_command.h"
+#include <gtest/gtest.h>
 
 #include "format_files.h"
 
@@ -10,7 +12,6 @@ namespace {
 
 using namespace sightline::test;
 using namespace sightline::formats;
-using sightline::report::CommandLine;
 
 TEST(Formats, EverySampleIsRecognisedByItsContentAlone) {
   const std::vector<std::pair<std::string, std::string>> samples{{"dfn_small_36.ecsv", "ecsv"},
@@ -69,18 +70,6 @@ TEST(Formats, EveryFormatRefusesCutFilesInWordsOrReadsThem) {
   }
 }
 
-TEST(Formats, ManyFilesAreOneRecordingUnlessTheyDisagreeOnAStation) {
-  Recording a, b;
-  a.format = b.format = "x";
-  a.scans.push_back({sightline::core::timeOf(2), "s", {}});
-  b.scans.push_back({sightline::core::timeOf(1), "s", {}});
-  a.stations["s"] = {0.5, 0.5, 0.0};
-  b.stations["s"] = {0.5, 0.5, 0.5};
-  EXPECT_EQ(timeOf(merged({a, b}).scans.at(0)), "1");
-  b.stations["s"].height = 3.0;
-  EXPECT_TRUE(contains(refusal([&] { merged({a, b}); }), "two places"));
-}
-
 TEST(Formats, TruthsHaveTargetsAndPlainNames) {
   Recording recording;
   FileSighting sighting;
@@ -89,41 +78,6 @@ TEST(Formats, TruthsHaveTargetsAndPlainNames) {
   recording.scans.push_back({sightline::core::timeOf(1500000000), "s", {sighting}});
   EXPECT_EQ(truthCsv(recording),
             "time,target,sensor,azimuth,elevation\n1.500000000,a_b,s,0.2500000000,-0.5000000000\n");
-}
-
-TEST(ImportCommand, OptionsAreReadWithTheirUnits) {
-  const CommandLine line(
-      {"--sigma", "3deg,20deg", "--station", "A=48,11,500", "--heading=90deg", "--separator", "tab",
-       "--decimal", "comma", "--image-size", "640x480", "--offset", "1.5"},
-      importOptionNames(), 0, 0);
-  const ImportOptions options = importOptionsOf(line);
-  EXPECT_NEAR(options.sigma->y(), 20.0 * kDegree, 1e-12);
-  EXPECT_NEAR(options.stations.at("A").longitude, 11.0 * kDegree, 1e-12);
-  EXPECT_NEAR(*options.heading, 90.0 * kDegree, 1e-12);
-  EXPECT_EQ(options.separator, '\t');
-  EXPECT_TRUE(*options.decimal_comma);
-  EXPECT_EQ(*options.image_size, Eigen::Vector2d(640.0, 480.0));
-  EXPECT_EQ(options.offset.count(), 1500000000);
-  const CommandLine pixels({"--sigma", "1.5px"}, importOptionNames(), 0, 0);
-  EXPECT_EQ(*importOptionsOf(pixels).sigma_pixels, 1.5);
-}
-
-TEST(ImportCommand, MistakesNameTheOptionItsValueAndAnExample) {
-  const std::vector<std::vector<std::string>> mistakes{
-      {"--sigma", "0.05"},        {"--sigma", "-1deg"},    {"--station", "48,11"},
-      {"--station", "A=98,11,0"}, {"--heading", "north"},  {"--separator", "xx"},
-      {"--decimal", "dot"},       {"--image-size", "640"}, {"--field-of-view", "200deg"},
-      {"--frame-rate", "0"},      {"--ut1-utc", "37"},     {"--elevation", "0"}};
-  for (const auto& words : mistakes) {
-    const std::string why = refusal([&] { importOptionsOf(CommandLine(words, importOptionNames(), 0, 0)); });
-    EXPECT_TRUE(contains(why, words[0]) && contains(why, words[1]))
-        << words[0] << " " << words[1] << ": " << why;
-  }
-}
-
-TEST(ImportCommand, TheUsageNamesEveryOption) {
-  for (const std::string& option : importOptionNames())
-    EXPECT_TRUE(contains(importOptionUsage(), option)) << option;
 }
 
 }  // namespace

@@ -1,5 +1,8 @@
 #include "sightline/formats/geodesy.h"
 
+#include <cmath>
+#include <string>
+
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,7 @@
 #include "sightline/formats/krakensdr_bearings.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "format_files.h"

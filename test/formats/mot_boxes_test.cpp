@@ -1,5 +1,8 @@
 #include "sightline/formats/mot_boxes.h"
 
+#include <cmath>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "format_files.h"

@@ -1,5 +1,7 @@
 #include "sightline/formats/observer_reports.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "sightline/formats/star_coordinates.h"

@@ -1,5 +1,7 @@
 #include "sightline/formats/rms_detections.h"
 
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "format_files.h"

@@ -1,5 +1,7 @@
 #include "sightline/formats/star_coordinates.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "sightline/formats/field_text.h"

@@ -1,5 +1,8 @@
 #include "sightline/formats/text_file.h"
 
+#include <filesystem>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "format_files.h"

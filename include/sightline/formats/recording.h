@@ -96,7 +96,8 @@ class RecordingBuilder {
 /// Azimuth [rad], counter-clockwise from east, of one that is clockwise from north, in (-pi, pi] (S-131).
 double fromCompass(double compass);
 
-/// Several files' recordings as one. Throws FormatError when two of them place one sensor differently.
+/// Several files' recordings as one; its remarks are of what they have in common: scans of one sensor at one
+/// time. Throws FormatError when two of them place one sensor differently.
 Recording merged(const std::vector<Recording>& recordings);
 
 }  // namespace sightline::formats

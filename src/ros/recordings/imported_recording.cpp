@@ -161,6 +161,7 @@ std::string importSightings(const std::vector<std::string>& files, const std::st
   });
   std::ostringstream text;
   text << describe(files, recordings);
+  for (const std::string& line : recording.remarks) text << line << "\n";
   for (const std::string& line : renamed) text << line << "\n";
   text << bag_file << ": " << scans.size() << " scans with " << sightings << " sightings on "
        << report::listOf(topics)
