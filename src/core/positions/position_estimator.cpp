@@ -1,0 +1,486 @@
+#include "sightline/core/positions/position_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "sightline/core/model/sphere.h"
+
+namespace sightline::core {
+namespace {
+
+using Matrix23d = Eigen::Matrix<double, 2, 3>;
+
+constexpr double kSlotMemory = 5.0;       // time constants of the slow error after which a silent station's goes
+constexpr double kLongestInterval = 2.0;  // [s] that a station's interval may count for
+constexpr double kRateSigma = 0.5;        // of velocity and acceleration at the start, over the range [1/s, 1/s^2]
+constexpr double kMisfitMemory = 1.0;     // [s]
+constexpr double kMostMisfit = 12.0;      // mean normalised innovation squared above which all is started anew
+constexpr double kMisfitCap = 30.0;       // what one innovation can add at the most
+constexpr double kStartChiSquare = 9.0;   // per degree of freedom; of the rays with which a target starts
+constexpr double kMovedSigmas = 3.0;      // of a station's angle, by which its move must be seen to tell a range
+
+ModeArray equalAttractions(const PositionEstimatorParams& params) {
+  if (params.models.empty() || params.models.size() > kMaxModes) {
+    throw std::invalid_argument("PositionEstimatorParams: 1 to " + std::to_string(kMaxModes) +
+                                " models are required, got " + std::to_string(params.models.size()));
+  }
+  for (const PositionModel& model : params.models) {
+    if (!(model.ratio >= 0.0 && std::isfinite(model.ratio)))
+      throw std::invalid_argument("PositionEstimatorParams: a model's ratio must be >= 0, got " +
+                                  std::to_string(model.ratio));
+  }
+  const auto require = [](bool ok, const char* what) {
+    if (!ok) throw std::invalid_argument(std::string("PositionEstimatorParams: ") + what + " is required");
+  };
+  require(params.dwell > 0.0, "dwell > 0 s");
+  require(params.scale_memory > 0.0, "scale_memory > 0 s");
+  require(params.outlier_distance >= 1.0, "outlier_distance >= 1");
+  require(params.alone_after > 0.0, "alone_after > 0 s");
+  require(params.alone_intervals > 0.0, "alone_intervals > 0");
+  require(params.start_window > 0.0, "start_window > 0 s");
+  require(params.max_relative_sigma > 0.0 && params.max_relative_sigma < 1.0,
+          "max_relative_sigma between 0 and 1");
+  require(params.lost_relative_sigma > params.max_relative_sigma,
+          "lost_relative_sigma above max_relative_sigma");
+  require(params.fast_share >= 0.0, "fast_share >= 0");
+  require(params.fast_time > 0.0, "fast_time > 0 s");
+  return ModeArray::Ones(static_cast<Eigen::Index>(params.models.size()));
+}
+
+bool isUsable(const StationMeasurement& m) {
+  if (m.station < 0 || !m.ray.origin.allFinite() || !m.ray.direction.allFinite() ||
+      !m.ray.covariance.allFinite() || !(m.slow.variance >= 0.0) || !(m.slow.time_constant > 0.0)) {
+    return false;
+  }
+  if (std::abs(m.ray.direction.squaredNorm() - 1.0) > 1e-6) return false;
+  const Matrix23d B = acrossBasis(m.ray.direction);
+  const Eigen::Matrix2d R = B * m.ray.covariance * B.transpose();
+  return R(0, 0) > 0.0 && R.determinant() > 0.0;
+}
+
+/// What samples `h` seconds apart of a Gauss-Markov error count like when they are taken as white (P-7).
+double whiteEquivalent(double variance, double time_constant, double h) {
+  if (!(h > 0.0)) return variance;
+  const double phi = std::exp(-h / time_constant);
+  return variance * (1.0 + phi) / (1.0 - phi);
+}
+
+}  // namespace
+
+std::vector<PositionModel> defaultPositionModels() {
+  using Kind = PositionModel::Kind;
+  return {{Kind::white_acceleration, 1.0}, {Kind::white_acceleration, 100.0}, {Kind::white_jerk, 30.0},
+          {Kind::white_jerk, 1e3},         {Kind::white_jerk, 3e4},           {Kind::white_jerk, 1e6}};
+}
+
+PositionEstimator::PositionEstimator(const PositionEstimatorParams& params)
+    : params_(params), chain_(equalAttractions(params), params.dwell) {
+  scale_shape_.fill(1.0);
+  scale_sum_.fill(1.0);
+}
+
+PositionEstimator::Seen* PositionEstimator::find(int station) {
+  for (int i = 0; i < seen_count_; ++i)
+    if (seen_[static_cast<std::size_t>(i)].station == station) return &seen_[static_cast<std::size_t>(i)];
+  return nullptr;
+}
+
+/// Remembers that the station sees the target; the station silent longest is forgotten for it.
+PositionEstimator::Seen& PositionEstimator::note(const StationMeasurement& m) {
+  Seen* seen = find(m.station);
+  if (!seen) {
+    std::size_t at = static_cast<std::size_t>(seen_count_);
+    if (seen_count_ < kMostSeen) {
+      ++seen_count_;
+    } else {
+      at = static_cast<std::size_t>(
+          std::min_element(seen_.begin(), seen_.end(),
+                           [](const Seen& a, const Seen& b) { return a.last < b.last; }) -
+          seen_.begin());
+    }
+    seen = &seen_[at];
+    *seen = Seen{};
+    seen->station = m.station;
+    seen->alone_origin = m.ray.origin;
+  } else {
+    const double h = seconds(m.time - seen->last);
+    if (h > 0.0 && h < kLongestInterval)
+      seen->interval = seen->interval > 0.0 ? seen->interval + 0.2 * (h - seen->interval) : h;
+  }
+  seen->last = m.time;
+  seen->origin = m.ray.origin;
+  seen->variance = 0.5 * m.ray.covariance.trace() + m.slow.variance;
+  return *seen;
+}
+
+bool PositionEstimator::supports(const Seen& seen, Time now) const {
+  const double patience = std::max(params_.alone_after, params_.alone_intervals * seen.interval);
+  return seconds(now - seen.last) < patience;
+}
+
+/// Whether no other station supports the target; stations at one place count as one.
+bool PositionEstimator::isAlone(const Seen& seen, Time now) const {
+  for (int i = 0; i < seen_count_; ++i) {
+    const Seen& other = seen_[static_cast<std::size_t>(i)];
+    if (other.station == seen.station || !supports(other, now)) continue;
+    const double baseline = (other.origin - seen.origin).norm();
+    const double range = has_state_ ? (beliefs_[0].mean.head<3>() - seen.origin).norm() : 0.0;
+    if (baseline > kMovedSigmas * std::sqrt(seen.variance) * range) return false;
+  }
+  return true;
+}
+
+/// The square of what one sighting resolves, (sigma rho)^2 [m^2], of the stations that support the target:
+/// the harmonic mean, so that the best counts most.
+double PositionEstimator::unitSquared(const Eigen::Vector3d& point, Time now) const {
+  double information = 0.0;
+  int count = 0;
+  for (int pass = 0; pass < 2 && count == 0; ++pass) {
+    for (int i = 0; i < seen_count_; ++i) {
+      const Seen& seen = seen_[static_cast<std::size_t>(i)];
+      if (pass == 0 && !supports(seen, now)) continue;
+      information += 1.0 / (seen.variance * (point - seen.origin).squaredNorm());
+      ++count;
+    }
+  }
+  return count / information;
+}
+
+/// Noise of a measurement over a basis: white, and what of the slow error changes too fast for the state; a
+/// station whose slow error is not in the state has all of it here (considered, not estimated).
+Eigen::Matrix2d PositionEstimator::noiseOf(const StationMeasurement& m, const Matrix23d& basis, double since,
+                                           bool is_in_state) const {  // (P-7)
+  Eigen::Matrix2d R = symmetric(basis * m.ray.covariance * basis.transpose());
+  const double fast = params_.fast_share * params_.fast_share * m.slow.variance;
+  R.diagonal().array() += whiteEquivalent(fast, params_.fast_time, since);
+  if (!is_in_state) R.diagonal().array() += whiteEquivalent(m.slow.variance, m.slow.time_constant, since);
+  return R;
+}
+
+/// Slot of a station's slow error, made when there is room; -1: not in the state.
+int PositionEstimator::slotOf(const StationMeasurement& m) {
+  for (int i = 0; i < slot_count_; ++i) {
+    if (slots_[static_cast<std::size_t>(i)].station != m.station) continue;
+    slots_[static_cast<std::size_t>(i)].slow = m.slow;
+    return i;
+  }
+  if (!(m.slow.variance > 0.0)) return -1;
+  if (slot_count_ == kMostStations) {  // that of a station which is gone, if there is one
+    int oldest = -1;
+    for (int i = 0; i < slot_count_; ++i) {
+      const Seen* seen = find(slots_[static_cast<std::size_t>(i)].station);
+      if (seen && supports(*seen, m.time)) continue;
+      if (oldest < 0 || !seen || seen->last < find(slots_[static_cast<std::size_t>(oldest)].station)->last)
+        oldest = i;
+      if (!seen) break;
+    }
+    if (oldest < 0) return -1;
+    dropSlot(oldest);
+  }
+  Slot& slot = slots_[static_cast<std::size_t>(slot_count_)];
+  slot.station = m.station;
+  slot.slow = m.slow;
+  slot.basis = acrossBasis(m.ray.direction);
+  for (Eigen::Index mode = 0; mode < chain_.probabilities().size(); ++mode)
+    addSlot(beliefs_[static_cast<std::size_t>(mode)], m.slow.variance);
+  return slot_count_++;
+}
+
+void PositionEstimator::dropSlot(int slot) {
+  for (Eigen::Index mode = 0; mode < chain_.probabilities().size(); ++mode)
+    removeSlot(beliefs_[static_cast<std::size_t>(mode)], slot);
+  for (int i = slot; i + 1 < slot_count_; ++i)
+    slots_[static_cast<std::size_t>(i)] = slots_[static_cast<std::size_t>(i + 1)];
+  --slot_count_;
+}
+
+/// Direction and rate of a station at a time, from its waiting measurements: a straight line.
+std::optional<Ray> PositionEstimator::rayAt(int station, Time now) const {
+  double s0 = 0.0, s1 = 0.0, s2 = 0.0;
+  Eigen::Vector3d y0 = Eigen::Vector3d::Zero(), y1 = Eigen::Vector3d::Zero();
+  const StationMeasurement* newest = nullptr;
+  for (int i = 0; i < waiting_count_; ++i) {
+    const StationMeasurement& m = waiting_[static_cast<std::size_t>(i)];
+    if (m.station != station) continue;
+    const double t = seconds(m.time - now), w = 2.0 / m.ray.covariance.trace();
+    s0 += w;
+    s1 += w * t;
+    s2 += w * t * t;
+    y0 += w * m.ray.direction;
+    y1 += w * t * m.ray.direction;
+    newest = &m;
+  }
+  const double D = s0 * s2 - s1 * s1;
+  if (!newest || !(D > 1e-9 * s0 * s2)) return std::nullopt;
+  Ray ray;
+  ray.origin = newest->ray.origin;
+  ray.direction = ((s2 * y0 - s1 * y1) / D).normalized();
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray.direction * ray.direction.transpose();
+  RayMotion motion;
+  motion.rate = across * ((s0 * y1 - s1 * y0) / D);
+  // White noise through the fit, the slow error on the direction, and of the rate what it may have changed
+  // by over the window, for want of better as much as itself.
+  const double slow_rate = 2.0 * newest->slow.variance / (newest->slow.time_constant * params_.start_window);
+  ray.covariance = (s2 / D + newest->slow.variance) * across;
+  motion.covariance = (s0 / D + slow_rate + 0.25 * motion.rate.squaredNorm()) * across;
+  if (newest->ray.motion) motion.origin_velocity = newest->ray.motion->origin_velocity;
+  ray.motion = motion;
+  return ray;
+}
+
+/// Starts from the waiting measurements when those of two stations or more cross well.
+bool PositionEstimator::start(Time now) {
+  std::vector<Ray> rays;
+  std::vector<int> stations;
+  for (int i = 0; i < waiting_count_; ++i) {
+    const int station = waiting_[static_cast<std::size_t>(i)].station;
+    if (std::find(stations.begin(), stations.end(), station) != stations.end()) continue;
+    stations.push_back(station);
+    if (const auto ray = rayAt(station, now)) rays.push_back(*ray);
+  }
+  if (rays.size() < 2) return false;
+  const Crossing crossing = intersect(rays);
+  if (crossing.verdict != CrossingVerdict::crossing || !crossing.at.velocity) return false;
+  const Intersection& at = crossing.at;
+  if (!(at.relative_sigma < params_.max_relative_sigma) ||
+      !(at.chi_square < kStartChiSquare * at.degrees)) {
+    return false;
+  }
+  double range = std::numeric_limits<double>::infinity();
+  for (const Ray& ray : rays) range = std::min(range, (at.point - ray.origin).norm());
+  PositionBelief belief;
+  belief.mean.head<3>() = at.point;
+  belief.mean.segment<3>(3) = *at.velocity;
+  belief.covariance.topLeftCorner<6, 6>() = at.joint_covariance;
+  belief.covariance.diagonal().tail<3>().setConstant(kRateSigma * kRateSigma * range * range);
+  for (Eigen::Index mode = 0; mode < chain_.probabilities().size(); ++mode)
+    beliefs_[static_cast<std::size_t>(mode)] = belief;
+  chain_ = ModeChain(ModeArray::Ones(chain_.probabilities().size()), params_.dwell);
+  scale_shape_.fill(1.0);
+  scale_sum_.fill(1.0);
+  slot_count_ = 0;
+  has_state_ = true;
+  time_ = now;
+  misfit_ = 1.0;
+  along_floor_.reset();
+  waiting_count_ = 0;
+  return true;
+}
+
+/// Interaction and prediction of all models.
+void PositionEstimator::moveTo(Time time) {  // (S-25), (S-26), (P-4)
+  const double h = seconds(time - *time_);
+  if (!(h > 0.0)) return;
+  const ModeArray own = chain_.ownShares(h);
+  const ModeArray& weights = chain_.probabilities();
+  const PositionBelief all = mixed(weights, beliefs_);
+  std::array<SlowError, kMostStations> slow;
+  for (int i = 0; i < slot_count_; ++i) slow[static_cast<std::size_t>(i)] = slots_[static_cast<std::size_t>(i)].slow;
+  const double unit_squared = unitSquared(all.mean.head<3>(), time);
+  double shape = 0.0, sum = 0.0;
+  for (Eigen::Index mode = 0; mode < weights.size(); ++mode) {
+    shape += weights(mode) * scale_shape_[static_cast<std::size_t>(mode)];
+    sum += weights(mode) * scale_sum_[static_cast<std::size_t>(mode)];
+  }
+  const double forgetting = std::exp(-h / params_.scale_memory);
+  for (Eigen::Index mode = 0; mode < weights.size(); ++mode) {
+    const auto at = static_cast<std::size_t>(mode);
+    PositionBelief& belief = beliefs_[at];
+    const PositionVector offset = belief.mean - all.mean;
+    const double share = own(mode);
+    belief.mean = all.mean + share * offset;
+    belief.covariance = share * belief.covariance + (1.0 - share) * all.covariance;
+    belief.covariance.noalias() += (share * (1.0 - share) * offset) * offset.transpose();
+    predict(belief, params_.models[at], unit_squared, h, slow);
+    double& a = scale_shape_[at];
+    double& b = scale_sum_[at];
+    a = share * a + (1.0 - share) * shape;
+    b = share * b + (1.0 - share) * sum;
+    const double kept = std::max(forgetting * a, 1.0);  // (S-11): at least one sighting's worth
+    b *= kept / a;
+    a = kept;
+  }
+  time_ = time;
+}
+
+PositionBelief PositionEstimator::mixed(const ModeArray& weights,
+                                        const std::array<PositionBelief, kMaxModes>& beliefs) const {  // (S-6)
+  const Eigen::Index n = beliefs[0].mean.size();
+  PositionBelief all;
+  all.mean = PositionVector::Zero(n);
+  all.covariance = PositionMatrix::Zero(n, n);
+  for (Eigen::Index mode = 0; mode < weights.size(); ++mode)
+    all.mean += weights(mode) * beliefs[static_cast<std::size_t>(mode)].mean;
+  for (Eigen::Index mode = 0; mode < weights.size(); ++mode) {
+    const PositionBelief& belief = beliefs[static_cast<std::size_t>(mode)];
+    const PositionVector offset = belief.mean - all.mean;
+    all.covariance += weights(mode) * belief.covariance;
+    all.covariance.noalias() += (weights(mode) * offset) * offset.transpose();
+  }
+  return all;
+}
+
+/// (P-6): what is known along the ray of a station that is alone never becomes better.
+void PositionEstimator::keepAlongRay(const Eigen::Vector3d& origin) {
+  const PositionBelief all = mixed(chain_.probabilities(), beliefs_);
+  const Eigen::Vector3d v = (all.mean.head<3>() - origin).normalized();
+  const double variance = v.dot(all.covariance.topLeftCorner<3, 3>() * v);
+  const double missing = along_floor_ ? *along_floor_ - variance : 0.0;
+  if (missing > 0.0) {
+    for (Eigen::Index mode = 0; mode < chain_.probabilities().size(); ++mode)
+      beliefs_[static_cast<std::size_t>(mode)].covariance.topLeftCorner<3, 3>() += missing * v * v.transpose();
+  }
+  along_floor_ = std::max(variance, along_floor_.value_or(0.0));
+}
+
+MeasurementUse PositionEstimator::update(const StationMeasurement& m) {
+  if (!isUsable(m)) return MeasurementUse::refused;
+  const std::optional<Time> newest =
+      has_state_ ? time_ : (waiting_count_ ? std::optional<Time>(waiting_[static_cast<std::size_t>(waiting_count_ - 1)].time) : std::nullopt);
+  if (newest && m.time < *newest) return MeasurementUse::refused;
+  const Seen* before = find(m.station);
+  const double since = before ? seconds(m.time - before->last) : kLongestInterval;
+  Seen& seen = note(m);
+
+  if (!has_state_) {
+    int kept = 0;
+    for (int i = waiting_count_ == kMostWaiting ? 1 : 0; i < waiting_count_; ++i) {
+      if (seconds(m.time - waiting_[static_cast<std::size_t>(i)].time) > params_.start_window) continue;
+      if (kept != i) waiting_[static_cast<std::size_t>(kept)] = waiting_[static_cast<std::size_t>(i)];
+      ++kept;
+    }
+    waiting_[static_cast<std::size_t>(kept)] = m;
+    waiting_count_ = kept + 1;
+    return start(m.time) ? MeasurementUse::started : MeasurementUse::waiting;
+  }
+
+  const double h = seconds(m.time - *time_);
+  moveTo(m.time);
+  for (int i = slot_count_ - 1; i >= 0; --i) {  // the slow errors of stations long silent are forgotten
+    const Slot& slot = slots_[static_cast<std::size_t>(i)];
+    const Seen* other = find(slot.station);
+    if (!other || seconds(m.time - other->last) > kSlotMemory * slot.slow.time_constant) dropSlot(i);
+  }
+  const int slot = slotOf(m);
+  DirectionUpdate direction;
+  direction.origin = m.ray.origin;
+  direction.direction = m.ray.direction;
+  direction.slot = slot;
+  Matrix23d basis = acrossBasis(m.ray.direction);
+  if (slot >= 0) {  // carried along with the line of sight
+    Matrix23d& carried = slots_[static_cast<std::size_t>(slot)].basis;
+    Matrix23d near = carried - carried * m.ray.direction * m.ray.direction.transpose();
+    if (near.row(0).norm() > 0.1) {
+      near.row(0).normalize();
+      near.row(1) = m.ray.direction.cross(near.row(0).transpose()).transpose();
+      carried = near;
+    } else {
+      carried = basis;
+    }
+    basis = carried;
+  }
+  direction.basis = basis;
+  direction.R = noiseOf(m, basis, since, slot >= 0);
+
+  const bool is_alone = isAlone(seen, m.time);
+  if (!is_alone || !along_floor_) seen.alone_origin = m.ray.origin;
+  const double range = (beliefs_[0].mean.head<3>() - m.ray.origin).norm();
+  seen.is_at_rest = (m.ray.origin - seen.alone_origin).norm() < kMovedSigmas * std::sqrt(seen.variance) * range;
+  const bool keeps_range = is_alone && seen.is_at_rest;
+
+  ModeArray log_likelihoods(chain_.probabilities().size());
+  double misfit = 0.0;
+  for (Eigen::Index mode = 0; mode < log_likelihoods.size(); ++mode) {
+    const auto at = static_cast<std::size_t>(mode);
+    const UpdateResult result =
+        keeps_range ? core::updateAlone(beliefs_[at], direction, params_.outlier_distance)
+                    : core::update(beliefs_[at], direction, params_.outlier_distance);
+    const double distance =
+        result.is_behind ? kMisfitCap * 2.0 : std::min(result.distance_squared, 2.0 * kMisfitCap);
+    double& a = scale_shape_[at];
+    double& b = scale_sum_[at];
+    log_likelihoods(mode) = -0.5 * result.log_determinant - std::log(b / a) -
+                            (a + 1.0) * std::log1p(distance / (2.0 * b));  // (S-11)
+    const double weight = chain_.probabilities()(mode);
+    misfit += weight * 0.5 * distance;
+    a += 1.0;
+    b += 0.5 * distance;
+  }
+  chain_.update(h, log_likelihoods);
+  misfit_ += (1.0 - std::exp(-std::max(h, 1e-3) / kMisfitMemory)) * (misfit - misfit_);
+  if (keeps_range)
+    keepAlongRay(m.ray.origin);
+  else
+    along_floor_.reset();
+
+  const auto state = stateAt(m.time);
+  const bool is_lost = !state || !(state->relative_sigma < params_.lost_relative_sigma);
+  if (!is_lost && misfit_ <= kMostMisfit) return MeasurementUse::taken;
+  has_state_ = false;
+  waiting_count_ = 1;
+  waiting_[0] = m;
+  along_floor_.reset();
+  return MeasurementUse::restarted;
+}
+
+std::optional<PositionState> PositionEstimator::stateAt(Time time) const {
+  if (!has_state_ || time < *time_) return std::nullopt;
+  PositionBelief all;
+  if (time == *time_) {
+    all = mixed(chain_.probabilities(), beliefs_);
+  } else {
+    PositionEstimator ahead = *this;
+    ahead.moveTo(time);
+    all = mixed(chain_.predicted(seconds(time - *time_)), ahead.beliefs_);
+  }
+  if (!all.mean.allFinite() || !all.covariance.allFinite()) return std::nullopt;
+  PositionState state;
+  state.mean = all.mean.head<6>();
+  state.covariance = symmetric(all.covariance.topLeftCorner<6, 6>());
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < seen_count_; ++i) {
+    const Seen& a = seen_[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d from_a = state.mean.head<3>() - a.origin;
+    if (!supports(a, time)) continue;
+    nearest = std::min(nearest, from_a.norm());
+    ++state.stations;
+    for (int j = 0; j < i; ++j) {
+      const Seen& b = seen_[static_cast<std::size_t>(j)];
+      if (supports(b, time))
+        state.parallax = std::max(state.parallax, angleBetween(from_a, state.mean.head<3>() - b.origin));
+    }
+  }
+  if (state.stations == 0) {
+    for (int i = 0; i < seen_count_; ++i)
+      nearest = std::min(nearest, (state.mean.head<3>() - seen_[static_cast<std::size_t>(i)].origin).norm());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(state.covariance.topLeftCorner<3, 3>(),
+                                                             Eigen::EigenvaluesOnly);
+  state.relative_sigma = std::sqrt(std::max(eigen.eigenvalues()(2), 0.0)) / nearest;
+  return state;
+}
+
+std::optional<SlowErrorEstimate> PositionEstimator::slowErrorOf(int station) const {
+  if (!has_state_) return std::nullopt;
+  for (int i = 0; i < slot_count_; ++i) {
+    const Slot& slot = slots_[static_cast<std::size_t>(i)];
+    if (slot.station != station) continue;
+    const PositionBelief all = mixed(chain_.probabilities(), beliefs_);
+    SlowErrorEstimate estimate;
+    estimate.station = station;
+    estimate.time = *time_;
+    estimate.error = all.mean.segment<2>(kMotionSize + 2 * i);
+    estimate.covariance = all.covariance.block<2, 2>(kMotionSize + 2 * i, kMotionSize + 2 * i);
+    estimate.basis = slot.basis;
+    return estimate;
+  }
+  return std::nullopt;
+}
+
+}  // namespace sightline::core
