@@ -161,7 +161,8 @@ UpdateResult update(PositionBelief& belief, const DirectionUpdate& seen, double 
     const PositionVector next = prior + K * residual;
     const double step = (next - x).head<3>().norm();
     x = next;
-    if (step * step < kIterationTolerance * kIterationTolerance * belief.covariance.diagonal().head<3>().sum())
+    if (step * step <
+        kIterationTolerance * kIterationTolerance * belief.covariance.diagonal().head<3>().sum())
       break;
   }
   belief.mean = x;
@@ -169,7 +170,8 @@ UpdateResult update(PositionBelief& belief, const DirectionUpdate& seen, double 
   return result;
 }
 
-UpdateResult updateAlone(PositionBelief& belief, const DirectionUpdate& seen, double outlier_distance) {  // (P-6)
+UpdateResult updateAlone(PositionBelief& belief, const DirectionUpdate& seen,
+                         double outlier_distance) {  // (P-6)
   UpdateResult result;
   const Eigen::Index n = belief.mean.size(), at = kMotionSize + 2 * seen.slot;
   PositionVector& x = belief.mean;

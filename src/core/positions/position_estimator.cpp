@@ -16,14 +16,14 @@ namespace {
 
 using Matrix23d = Eigen::Matrix<double, 2, 3>;
 
-constexpr double kSlotMemory = 5.0;       // time constants of the slow error after which a silent station's goes
+constexpr double kSlotMemory = 5.0;  // time constants of the slow error after which a silent station's goes
 constexpr double kLongestInterval = 2.0;  // [s] that a station's interval may count for
-constexpr double kRateSigma = 0.5;        // of velocity and acceleration at the start, over the range [1/s, 1/s^2]
-constexpr double kMisfitMemory = 1.0;     // [s]
-constexpr double kMostMisfit = 12.0;      // mean normalised innovation squared above which all is started anew
-constexpr double kMisfitCap = 30.0;       // what one innovation can add at the most
-constexpr double kStartChiSquare = 9.0;   // per degree of freedom; of the rays with which a target starts
-constexpr double kMovedSigmas = 3.0;      // of a station's angle, by which its move must be seen to tell a range
+constexpr double kRateSigma = 0.5;  // of velocity and acceleration at the start, over the range [1/s, 1/s^2]
+constexpr double kMisfitMemory = 1.0;    // [s]
+constexpr double kMostMisfit = 12.0;     // mean normalised innovation squared above which all is started anew
+constexpr double kMisfitCap = 30.0;      // what one innovation can add at the most
+constexpr double kStartChiSquare = 9.0;  // per degree of freedom; of the rays with which a target starts
+constexpr double kMovedSigmas = 3.0;  // of a station's angle, by which its move must be seen to tell a range
 
 ModeArray equalAttractions(const PositionEstimatorParams& params) {
   if (params.models.empty() || params.models.size() > kMaxModes) {
@@ -75,15 +75,14 @@ double whiteEquivalent(double variance, double time_constant, double h) {
 
 std::vector<PositionModel> defaultPositionModels() {
   using Kind = PositionModel::Kind;
-  return {{Kind::white_acceleration, 1.0}, {Kind::white_acceleration, 100.0}, {Kind::white_jerk, 30.0},
-          {Kind::white_jerk, 1e3},         {Kind::white_jerk, 3e4},           {Kind::white_jerk, 1e6}};
+  return {{Kind::white_acceleration, 1.0}, {Kind::white_acceleration, 30.0}, {Kind::white_acceleration, 1e3},
+          {Kind::white_acceleration, 3e4}, {Kind::white_jerk, 30.0},         {Kind::white_jerk, 1e3},
+          {Kind::white_jerk, 3e4},         {Kind::white_jerk, 1e6}};
 }
 
 PositionEstimator::PositionEstimator(const PositionEstimatorParams& params)
-    : params_(params), chain_(equalAttractions(params), params.dwell) {
-  scale_shape_.fill(1.0);
-  scale_sum_.fill(1.0);
-}
+    : params_(std::make_shared<const PositionEstimatorParams>(params)),
+      chain_(equalAttractions(params), params.dwell) {}
 
 PositionEstimator::Seen* PositionEstimator::find(int station) {
   for (int i = 0; i < seen_count_; ++i)
@@ -120,7 +119,7 @@ PositionEstimator::Seen& PositionEstimator::note(const StationMeasurement& m) {
 }
 
 bool PositionEstimator::supports(const Seen& seen, Time now) const {
-  const double patience = std::max(params_.alone_after, params_.alone_intervals * seen.interval);
+  const double patience = std::max(params_->alone_after, params_->alone_intervals * seen.interval);
   return seconds(now - seen.last) < patience;
 }
 
@@ -157,8 +156,8 @@ double PositionEstimator::unitSquared(const Eigen::Vector3d& point, Time now) co
 Eigen::Matrix2d PositionEstimator::noiseOf(const StationMeasurement& m, const Matrix23d& basis, double since,
                                            bool is_in_state) const {  // (P-7)
   Eigen::Matrix2d R = symmetric(basis * m.ray.covariance * basis.transpose());
-  const double fast = params_.fast_share * params_.fast_share * m.slow.variance;
-  R.diagonal().array() += whiteEquivalent(fast, params_.fast_time, since);
+  const double fast = params_->fast_share * params_->fast_share * m.slow.variance;
+  R.diagonal().array() += whiteEquivalent(fast, params_->fast_time, since);
   if (!is_in_state) R.diagonal().array() += whiteEquivalent(m.slow.variance, m.slow.time_constant, since);
   return R;
 }
@@ -226,7 +225,7 @@ std::optional<Ray> PositionEstimator::rayAt(int station, Time now) const {
   motion.rate = across * ((s0 * y1 - s1 * y0) / D);
   // White noise through the fit, the slow error on the direction, and of the rate what it may have changed
   // by over the window, for want of better as much as itself.
-  const double slow_rate = 2.0 * newest->slow.variance / (newest->slow.time_constant * params_.start_window);
+  const double slow_rate = 2.0 * newest->slow.variance / (newest->slow.time_constant * params_->start_window);
   ray.covariance = (s2 / D + newest->slow.variance) * across;
   motion.covariance = (s0 / D + slow_rate + 0.25 * motion.rate.squaredNorm()) * across;
   if (newest->ray.motion) motion.origin_velocity = newest->ray.motion->origin_velocity;
@@ -236,6 +235,11 @@ std::optional<Ray> PositionEstimator::rayAt(int station, Time now) const {
 
 /// Starts from the waiting measurements when those of two stations or more cross well.
 bool PositionEstimator::start(Time now) {
+  const auto waiting_end = waiting_.begin() + waiting_count_;
+  if (std::all_of(waiting_.begin(), waiting_end,
+                  [this](const StationMeasurement& m) { return m.station == waiting_[0].station; })) {
+    return false;
+  }
   std::vector<Ray> rays;
   std::vector<int> stations;
   for (int i = 0; i < waiting_count_; ++i) {
@@ -248,8 +252,7 @@ bool PositionEstimator::start(Time now) {
   const Crossing crossing = intersect(rays);
   if (crossing.verdict != CrossingVerdict::crossing || !crossing.at.velocity) return false;
   const Intersection& at = crossing.at;
-  if (!(at.relative_sigma < params_.max_relative_sigma) ||
-      !(at.chi_square < kStartChiSquare * at.degrees)) {
+  if (!(at.relative_sigma < params_->max_relative_sigma) || !(at.chi_square < kStartChiSquare * at.degrees)) {
     return false;
   }
   double range = std::numeric_limits<double>::infinity();
@@ -261,9 +264,8 @@ bool PositionEstimator::start(Time now) {
   belief.covariance.diagonal().tail<3>().setConstant(kRateSigma * kRateSigma * range * range);
   for (Eigen::Index mode = 0; mode < chain_.probabilities().size(); ++mode)
     beliefs_[static_cast<std::size_t>(mode)] = belief;
-  chain_ = ModeChain(ModeArray::Ones(chain_.probabilities().size()), params_.dwell);
-  scale_shape_.fill(1.0);
-  scale_sum_.fill(1.0);
+  chain_ = ModeChain(ModeArray::Ones(chain_.probabilities().size()), params_->dwell);
+  scale_shape_ = scale_sum_ = 1.0;
   slot_count_ = 0;
   has_state_ = true;
   time_ = now;
@@ -281,14 +283,12 @@ void PositionEstimator::moveTo(Time time) {  // (S-25), (S-26), (P-4)
   const ModeArray& weights = chain_.probabilities();
   const PositionBelief all = mixed(weights, beliefs_);
   std::array<SlowError, kMostStations> slow;
-  for (int i = 0; i < slot_count_; ++i) slow[static_cast<std::size_t>(i)] = slots_[static_cast<std::size_t>(i)].slow;
+  for (int i = 0; i < slot_count_; ++i)
+    slow[static_cast<std::size_t>(i)] = slots_[static_cast<std::size_t>(i)].slow;
   const double unit_squared = unitSquared(all.mean.head<3>(), time);
-  double shape = 0.0, sum = 0.0;
-  for (Eigen::Index mode = 0; mode < weights.size(); ++mode) {
-    shape += weights(mode) * scale_shape_[static_cast<std::size_t>(mode)];
-    sum += weights(mode) * scale_sum_[static_cast<std::size_t>(mode)];
-  }
-  const double forgetting = std::exp(-h / params_.scale_memory);
+  const double kept = std::max(std::exp(-h / params_->scale_memory) * scale_shape_, 1.0);
+  scale_sum_ *= kept / scale_shape_;  // (S-11): at least one sighting's worth
+  scale_shape_ = kept;
   for (Eigen::Index mode = 0; mode < weights.size(); ++mode) {
     const auto at = static_cast<std::size_t>(mode);
     PositionBelief& belief = beliefs_[at];
@@ -297,20 +297,13 @@ void PositionEstimator::moveTo(Time time) {  // (S-25), (S-26), (P-4)
     belief.mean = all.mean + share * offset;
     belief.covariance = share * belief.covariance + (1.0 - share) * all.covariance;
     belief.covariance.noalias() += (share * (1.0 - share) * offset) * offset.transpose();
-    predict(belief, params_.models[at], unit_squared, h, slow);
-    double& a = scale_shape_[at];
-    double& b = scale_sum_[at];
-    a = share * a + (1.0 - share) * shape;
-    b = share * b + (1.0 - share) * sum;
-    const double kept = std::max(forgetting * a, 1.0);  // (S-11): at least one sighting's worth
-    b *= kept / a;
-    a = kept;
+    predict(belief, params_->models[at], unit_squared, h, slow);
   }
   time_ = time;
 }
 
-PositionBelief PositionEstimator::mixed(const ModeArray& weights,
-                                        const std::array<PositionBelief, kMaxModes>& beliefs) const {  // (S-6)
+PositionBelief PositionEstimator::mixed(
+    const ModeArray& weights, const std::array<PositionBelief, kMaxModes>& beliefs) const {  // (S-6)
   const Eigen::Index n = beliefs[0].mean.size();
   PositionBelief all;
   all.mean = PositionVector::Zero(n);
@@ -334,7 +327,8 @@ void PositionEstimator::keepAlongRay(const Eigen::Vector3d& origin) {
   const double missing = along_floor_ ? *along_floor_ - variance : 0.0;
   if (missing > 0.0) {
     for (Eigen::Index mode = 0; mode < chain_.probabilities().size(); ++mode)
-      beliefs_[static_cast<std::size_t>(mode)].covariance.topLeftCorner<3, 3>() += missing * v * v.transpose();
+      beliefs_[static_cast<std::size_t>(mode)].covariance.topLeftCorner<3, 3>() +=
+          missing * v * v.transpose();
   }
   along_floor_ = std::max(variance, along_floor_.value_or(0.0));
 }
@@ -342,7 +336,10 @@ void PositionEstimator::keepAlongRay(const Eigen::Vector3d& origin) {
 MeasurementUse PositionEstimator::update(const StationMeasurement& m) {
   if (!isUsable(m)) return MeasurementUse::refused;
   const std::optional<Time> newest =
-      has_state_ ? time_ : (waiting_count_ ? std::optional<Time>(waiting_[static_cast<std::size_t>(waiting_count_ - 1)].time) : std::nullopt);
+      has_state_
+          ? time_
+          : (waiting_count_ ? std::optional<Time>(waiting_[static_cast<std::size_t>(waiting_count_ - 1)].time)
+                            : std::nullopt);
   if (newest && m.time < *newest) return MeasurementUse::refused;
   const Seen* before = find(m.station);
   const double since = before ? seconds(m.time - before->last) : kLongestInterval;
@@ -351,7 +348,7 @@ MeasurementUse PositionEstimator::update(const StationMeasurement& m) {
   if (!has_state_) {
     int kept = 0;
     for (int i = waiting_count_ == kMostWaiting ? 1 : 0; i < waiting_count_; ++i) {
-      if (seconds(m.time - waiting_[static_cast<std::size_t>(i)].time) > params_.start_window) continue;
+      if (seconds(m.time - waiting_[static_cast<std::size_t>(i)].time) > params_->start_window) continue;
       if (kept != i) waiting_[static_cast<std::size_t>(kept)] = waiting_[static_cast<std::size_t>(i)];
       ++kept;
     }
@@ -391,28 +388,29 @@ MeasurementUse PositionEstimator::update(const StationMeasurement& m) {
   const bool is_alone = isAlone(seen, m.time);
   if (!is_alone || !along_floor_) seen.alone_origin = m.ray.origin;
   const double range = (beliefs_[0].mean.head<3>() - m.ray.origin).norm();
-  seen.is_at_rest = (m.ray.origin - seen.alone_origin).norm() < kMovedSigmas * std::sqrt(seen.variance) * range;
+  seen.is_at_rest =
+      (m.ray.origin - seen.alone_origin).norm() < kMovedSigmas * std::sqrt(seen.variance) * range;
   const bool keeps_range = is_alone && seen.is_at_rest;
 
+  // Evidence of the models (P-8): the innovations' scale is common to all and at most as stated, because the
+  // noise is an upper bound; a calm model may not explain a manoeuvre by noise.
   ModeArray log_likelihoods(chain_.probabilities().size());
-  double misfit = 0.0;
+  ModeArray distances(log_likelihoods.size());
+  const double a = scale_shape_, b = scale_sum_;
   for (Eigen::Index mode = 0; mode < log_likelihoods.size(); ++mode) {
     const auto at = static_cast<std::size_t>(mode);
-    const UpdateResult result =
-        keeps_range ? core::updateAlone(beliefs_[at], direction, params_.outlier_distance)
-                    : core::update(beliefs_[at], direction, params_.outlier_distance);
-    const double distance =
-        result.is_behind ? kMisfitCap * 2.0 : std::min(result.distance_squared, 2.0 * kMisfitCap);
-    double& a = scale_shape_[at];
-    double& b = scale_sum_[at];
-    log_likelihoods(mode) = -0.5 * result.log_determinant - std::log(b / a) -
-                            (a + 1.0) * std::log1p(distance / (2.0 * b));  // (S-11)
-    const double weight = chain_.probabilities()(mode);
-    misfit += weight * 0.5 * distance;
-    a += 1.0;
-    b += 0.5 * distance;
+    const UpdateResult result = keeps_range
+                                    ? core::updateAlone(beliefs_[at], direction, params_->outlier_distance)
+                                    : core::update(beliefs_[at], direction, params_->outlier_distance);
+    distances(mode) =
+        result.is_behind ? 2.0 * kMisfitCap : std::min(result.distance_squared, 2.0 * kMisfitCap);
+    log_likelihoods(mode) =
+        -0.5 * result.log_determinant - (a + 1.0) * std::log1p(distances(mode) / (2.0 * b));
   }
   chain_.update(h, log_likelihoods);
+  const double misfit = 0.5 * (chain_.probabilities() * distances).sum();
+  scale_shape_ += 1.0;
+  scale_sum_ = std::min(scale_sum_ + misfit, scale_shape_);
   misfit_ += (1.0 - std::exp(-std::max(h, 1e-3) / kMisfitMemory)) * (misfit - misfit_);
   if (keeps_range)
     keepAlongRay(m.ray.origin);
@@ -420,7 +418,7 @@ MeasurementUse PositionEstimator::update(const StationMeasurement& m) {
     along_floor_.reset();
 
   const auto state = stateAt(m.time);
-  const bool is_lost = !state || !(state->relative_sigma < params_.lost_relative_sigma);
+  const bool is_lost = !state || !(state->relative_sigma < params_->lost_relative_sigma);
   if (!is_lost && misfit_ <= kMostMisfit) return MeasurementUse::taken;
   has_state_ = false;
   waiting_count_ = 1;

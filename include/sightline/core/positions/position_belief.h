@@ -4,19 +4,19 @@
 
 #include <Eigen/Core>
 
-/// What one motion model knows of a target's position, and of the slow errors of the stations that see it; the
-/// linear algebra of the position estimator. Metric frame [m], angles [rad]. Nothing here allocates.
+/// What one motion model knows of a target's position, and of the slow errors of the stations that see it;
+/// the linear algebra of the position estimator. Metric frame [m], angles [rad]. Nothing here allocates.
 namespace sightline::core {
 
-constexpr int kMotionSize = 9;     ///< position, velocity, acceleration
-constexpr int kMostStations = 6;   ///< whose slow errors are in the state
+constexpr int kMotionSize = 9;    ///< position, velocity, acceleration
+constexpr int kMostStations = 6;  ///< whose slow errors are in the state
 constexpr int kMostStates = kMotionSize + 2 * kMostStations;
 
 using PositionVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostStates, 1>;
 using PositionMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, kMostStates>;
 
-/// How a target may move: white acceleration of density q [m^2/s^3] or white jerk of density q [m^2/s^5] along
-/// each axis, with q = ratio (sigma rho)^2 (P-4): nobody states metres.
+/// How a target may move: white acceleration of density q [m^2/s^3] or white jerk of density q [m^2/s^5]
+/// along each axis, with q = ratio (sigma rho)^2 (P-4): nobody states metres.
 struct PositionModel {
   enum class Kind { white_acceleration, white_jerk };
   Kind kind = Kind::white_jerk;
@@ -50,27 +50,27 @@ void predict(PositionBelief& belief, const PositionModel& model, double unit_squ
 
 /// One direction from one place, as an update takes it.
 struct DirectionUpdate {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();             ///< [m]
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();         ///< unit vector
-  Eigen::Matrix<double, 2, 3> basis;                            ///< two unit vectors across it: of the slot
-  Eigen::Matrix2d R = Eigen::Matrix2d::Identity();              ///< white noise over `basis` [rad^2]
-  int slot = -1;                                                ///< of the station's slow error; -1: not in the state
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();      ///< [m]
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit vector
+  Eigen::Matrix<double, 2, 3> basis;                     ///< two unit vectors across it: of the slot
+  Eigen::Matrix2d R = Eigen::Matrix2d::Identity();       ///< white noise over `basis` [rad^2]
+  int slot = -1;  ///< of the station's slow error; -1: not in the state
 };
 
 /// What an update did.
 struct UpdateResult {
-  double distance_squared = 0.0;      ///< of the innovation, nu^T S^-1 nu, before any down-weighting
-  double log_determinant = 0.0;       ///< of S
-  bool is_behind = false;             ///< the direction points away from the target; nothing was done
+  double distance_squared = 0.0;  ///< of the innovation, nu^T S^-1 nu, before any down-weighting
+  double log_determinant = 0.0;   ///< of S
+  bool is_behind = false;         ///< the direction points away from the target; nothing was done
 };
 
 /// Iterated update (P-5), (20I), covariance in Joseph form (S-7). Innovations beyond `outlier_distance`
 /// standard deviations count with their noise enlarged to that distance.
 UpdateResult update(PositionBelief& belief, const DirectionUpdate& seen, double outlier_distance);
 
-/// The same for a station that sees the target alone and stands still (P-6): directions tell neither range nor
-/// speed along the ray, so that these keep their values and their variances; only their correlations change.
-/// Done in (direction, log range, velocity/range, acceleration/range), in which that is exact.
+/// The same for a station that sees the target alone and stands still (P-6): directions tell neither range
+/// nor speed along the ray, so that these keep their values and their variances; only their correlations
+/// change. Done in (direction, log range, velocity/range, acceleration/range), in which that is exact.
 UpdateResult updateAlone(PositionBelief& belief, const DirectionUpdate& seen, double outlier_distance);
 
 }  // namespace sightline::core

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,7 +20,7 @@ std::vector<PositionModel> defaultPositionModels();
 struct PositionEstimatorParams {
   std::vector<PositionModel> models = defaultPositionModels();  ///< 1 to kMaxModes
   double dwell = 10.0;            ///< mean time between changes of the model [s], > 0
-  double scale_memory = 1.0;      ///< of the scale of innovations in a model's evidence (S-11) [s], > 0
+  double scale_memory = 1.0;      ///< of the scale of innovations in the models' evidence (P-8) [s], > 0
   double outlier_distance = 4.0;  ///< innovations beyond so many sigmas are down-weighted [1], >= 1
   double alone_after = 0.3;       ///< a station counts as gone when silent so long [s], > 0, or for
   double alone_intervals = 5.0;   ///< so many of its intervals, whichever is longer [1], > 0
@@ -27,7 +28,7 @@ struct PositionEstimatorParams {
   double max_relative_sigma =
       0.3;  ///< largest standard deviation over the range with which a position is one [1], in (0, 1)
   double lost_relative_sigma = 1.0;  ///< above it the target is started anew [1], > max_relative_sigma
-  double fast_share = 0.2;  ///< part of the slow error's sigma that changes within `fast_time` [1], >= 0
+  double fast_share = 0.4;  ///< part of the slow error's sigma that changes within `fast_time` [1], >= 0
   double fast_time = 0.05;  ///< its time constant [s], > 0
 };
 
@@ -35,8 +36,8 @@ struct PositionEstimatorParams {
 struct StationMeasurement {
   Time time{};
   int station = 0;  ///< number of the station, >= 0, the caller's
-  Ray ray;          ///< from where, where to; `covariance` is of the white noise; motion: of the origin, if known
-  SlowError slow;   ///< of the station
+  Ray ray;  ///< from where, where to; `covariance` is of the white noise; motion: of the origin, if known
+  SlowError slow;  ///< of the station
 };
 
 /// What became of a measurement.
@@ -84,7 +85,7 @@ class PositionEstimator {
 
   /// Whether the state is good enough to be called a position: its relative sigma is below the limit.
   bool isPosition(const PositionState& state) const {
-    return state.relative_sigma < params_.max_relative_sigma;
+    return state.relative_sigma < params_->max_relative_sigma;
   }
 
   bool hasState() const { return has_state_; }
@@ -131,12 +132,12 @@ class PositionEstimator {
   PositionBelief mixed(const ModeArray& weights, const std::array<PositionBelief, kMaxModes>& beliefs) const;
   void keepAlongRay(const Eigen::Vector3d& origin);
 
-  PositionEstimatorParams params_;
+  std::shared_ptr<const PositionEstimatorParams> params_;  // shared by copies
   ModeChain chain_;
   bool has_state_ = false;
   std::optional<Time> time_;
   std::array<PositionBelief, kMaxModes> beliefs_;
-  std::array<double, kMaxModes> scale_shape_{}, scale_sum_{};  // a and b of (S-11)
+  double scale_shape_ = 1.0, scale_sum_ = 1.0;  // a and b of (S-11), of all models together
   std::array<Slot, kMostStations> slots_;
   int slot_count_ = 0;
   std::array<Seen, kMostSeen> seen_;
