@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sightline/core/model/field_of_view.h"
+#include "sightline/core/model/time.h"
+#include "sightline/core/positions/rays.h"
+
+namespace sightline::core {
+
+/// A local track: number of its station, id there.
+struct ViewKey {
+  int station = 0;
+  std::uint32_t track = 0;
+
+  friend bool operator==(const ViewKey& a, const ViewKey& b) {
+    return a.station == b.station && a.track == b.track;
+  }
+  friend bool operator<(const ViewKey& a, const ViewKey& b) {
+    return std::tie(a.station, a.track) < std::tie(b.station, b.track);
+  }
+};
+
+/// What a local track says now: a ray with its rate, slow errors of its sensors in the covariance.
+struct LocalView {
+  ViewKey key;
+  Ray ray;
+};
+
+/// A station that looks, whether it sees anything or not.
+struct LookingStation {
+  int station = 0;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [m]
+  std::optional<FieldOfView> view;  ///< its `tracking` frame is the common one; nullopt = not known
+};
+
+struct HypothesisParams {
+  double gate = 5.0;                ///< of the plane test and of further rays [standard deviations], > 0
+  double max_relative_sigma = 0.3;  ///< of a crossing, as of a position [1], in (0, 1)
+  double detection_probability =
+      0.9;                        ///< that a station that looks at a target has a track of it [1], in (0, 1)
+  double memory = 2.0;            ///< of the scores [s], > 0
+  double correlation_time = 0.5;  ///< over which successive scores say the same [s], > 0
+  double least_score = 3.0;       ///< log likelihood ratio from which a crossing is a target, >= 0
+  double least_margin = 3.0;      ///< ... by which all else must be less likely, >= 0
+  int most_candidates = 20000;    ///< that are scored in one decision; beyond, none are made, >= 1
+};
+
+/// A set of local tracks, one a station at most, that may be one target.
+struct Candidate {
+  std::vector<ViewKey> members;  ///< ascending
+  double score = 0.0;            ///< log likelihood ratio to tracks without a partner, over the memory (P-10)
+  double margin = 0.0;           ///< by which the best explanation with it is better than the best without it
+  Intersection at;
+};
+
+/// Why a crossing is not taken for a target.
+enum class CrossingRefusal {
+  unlikely,   ///< its tracks are as well or better explained without partners
+  ghost,      ///< its tracks are better explained by other crossings
+  ambiguous,  ///< others explain its tracks as well: it may be a ghost, and time must tell
+};
+
+struct RefusedCrossing {
+  Candidate candidate;
+  CrossingRefusal reason = CrossingRefusal::unlikely;
+};
+
+struct HypothesisDecision {
+  std::vector<Candidate> targets;        ///< disjoint, by members
+  std::vector<RefusedCrossing> refused;  ///< by members
+  bool is_complete = true;               ///< false: more candidates than can be scored
+};
+
+/// Which local tracks are one target, and which crossings are ghosts (section 3 of positions: P-10, P-11).
+/// Pairs of stations by the plane test (P-3), sorted by the angle about their baseline; each pair extended by
+/// the rays of further stations that fit; the best set of disjoint candidates. A value; the outcome does not
+/// depend on the order of the views.
+class PositionHypotheses {
+ public:
+  /// Throws std::invalid_argument for a parameter out of range.
+  explicit PositionHypotheses(const HypothesisParams& params = {});
+
+  /// `views`: local tracks that belong to no position yet; times do not go back.
+  HypothesisDecision decide(Time now, std::vector<LocalView> views,
+                            const std::vector<LookingStation>& stations);
+
+ private:
+  struct Memory {
+    double score = 0.0;  // mean
+    Time first{}, last{};
+  };
+
+  std::vector<Candidate> candidatesOf(const std::vector<LocalView>& views,
+                                      const std::vector<LookingStation>& stations, bool& is_complete) const;
+  std::optional<Candidate> score(const std::vector<const LocalView*>& members,
+                                 const std::vector<LookingStation>& stations, double most_tracks) const;
+  void remember(Time now, std::vector<Candidate>& candidates);
+
+  HypothesisParams params_;
+  std::map<std::vector<ViewKey>, Memory> memory_;
+};
+
+/// The best set of disjoint candidates: those with the largest sum of scores > 0. `forbidden`: index of one
+/// that must not be in it, -1 = none. Exact for clusters of up to about twenty, greedy beyond (P-11).
+std::vector<int> bestDisjoint(const std::vector<Candidate>& candidates, int forbidden = -1);
+
+}  // namespace sightline::core

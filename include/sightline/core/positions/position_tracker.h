@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "sightline/core/model/refusal.h"
+#include "sightline/core/model/time.h"
+#include "sightline/core/ordering/timeline.h"
+#include "sightline/core/positions/position_scene.h"
+#include "sightline/core/positions/position_track.h"
+
+namespace sightline::core {
+
+struct PositionTrackerParams {
+  PositionSceneParams scene;
+  double max_lag = 1.0;  ///< what comes by so much later than the newest is put in its place [s], >= 0
+};
+
+/// Positions of targets from the local tracks and tracklets of stations that stand apart. Tracks and
+/// tracklets come in any order within `max_lag`: what is late is put in its place, and all from there is
+/// processed again, so that the output is the same to the last bit. Work is done when a report is asked for.
+class PositionTracker {
+ public:
+  /// Throws std::invalid_argument for a parameter out of range.
+  explicit PositionTracker(const PositionTrackerParams& params = {});
+
+  /// Returns why they are not used: late, duplicate, invalid.
+  std::optional<Refusal> onTracks(const StationTracks& tracks);
+
+  /// Of each tracklet that is not used, why.
+  std::vector<Refusal> onTracklets(const std::vector<StationTracklet>& tracklets);
+
+  /// The positions at the time of the newest tracks; nothing before the first.
+  std::optional<PositionOutput> report();
+
+ private:
+  struct Item {
+    Time time{};
+    std::variant<StationTracklet, StationTracks> what;  // in this order at one time
+
+    friend Time timeOf(const Item& item) { return item.time; }
+    bool isBefore(const Item& other) const;
+    friend bool precedes(const Item& a, const Item& b) { return a.isBefore(b); }
+  };
+  struct NoUse {};
+
+  std::optional<Refusal> insert(Item item);
+
+  double max_lag_;
+  Timeline<Item, NoUse, PositionScene> items_;
+  PositionScene scene_;           // has taken the items before the timeline's next
+  std::optional<Time> closed_;    // nothing can be put before it
+  std::optional<Time> newest_;    // of all items
+  std::optional<Time> reported_;  // of the newest tracks
+};
+
+}  // namespace sightline::core

@@ -1,0 +1,562 @@
+#include "sightline/core/positions/position_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <Eigen/Cholesky>
+
+#include "sightline/core/association/assignment.h"
+#include "sightline/core/association/clusters.h"
+#include "sightline/core/model/sphere.h"
+
+namespace sightline::core {
+namespace {
+
+constexpr double kRecent = 1.5;                 // [s] of measurements that are kept to start a target with
+constexpr std::size_t kMostRecent = 64;         // of one local track
+constexpr double kFreshest = 0.5;               // [s] beyond which a local track says nothing of now
+constexpr double kClaimMargin = 9.0;            // of chi-square, between the best and the second best claim
+constexpr double kMisfitOfContradiction = 6.0;  // above which a lost target is dissolved and not remembered
+
+Eigen::Matrix3d across(const Eigen::Vector3d& direction) {
+  return Eigen::Matrix3d::Identity() - direction * direction.transpose();
+}
+
+/// chi-square of a view, direction and rate, against a target's state, slow errors in the view's covariance.
+std::optional<double> distanceOf(const LocalView& view, const PositionState& state, bool with_rate) {
+  const Eigen::Vector3d point = state.mean.head<3>(), velocity = state.mean.tail<3>();
+  const auto seen = innovationOf(view.ray, point);
+  if (!seen) return std::nullopt;
+  const Eigen::Vector3d v = (point - view.ray.origin) / seen->range;
+  const Eigen::Matrix<double, 2, 3> B = acrossBasis(v);
+  Eigen::Matrix<double, 4, 6> H = Eigen::Matrix<double, 4, 6>::Zero();
+  Eigen::Vector4d residual = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d R = Eigen::Matrix4d::Identity();
+  H.topLeftCorner<2, 3>() = seen->H;
+  residual.head<2>() = seen->residual;
+  R.topLeftCorner<2, 2>() = seen->R;
+  if (with_rate && view.ray.motion) {
+    const Eigen::Vector3d relative = velocity - view.ray.motion->origin_velocity;
+    const Eigen::Vector2d expected = B * relative / seen->range;
+    H.bottomLeftCorner<2, 3>() =
+        -(relative.dot(v) / seen->range * B + expected * v.transpose()) / seen->range;
+    H.bottomRightCorner<2, 3>() = B / seen->range;
+    residual.tail<2>() = B * view.ray.motion->rate - expected;
+    R.bottomRightCorner<2, 2>() = symmetric(B * view.ray.motion->covariance * B.transpose());
+  }
+  const Eigen::Matrix4d S = symmetric(H * state.covariance * H.transpose()) + R;
+  return residual.dot(S.llt().solve(residual));
+}
+
+PositionSceneParams checked(const PositionSceneParams& params) {
+  const auto require = [](bool ok, const char* what) {
+    if (!ok) throw std::invalid_argument(std::string("PositionSceneParams: ") + what + " is required");
+  };
+  require(params.decision_interval > 0.0, "decision_interval > 0 s");
+  require(params.claim_gate > 0.0 && params.contradiction > 0.0 && params.merge_gate > 0.0,
+          "claim_gate, contradiction and merge_gate > 0");
+  require(params.claim_decisions >= 1, "claim_decisions >= 1");
+  require(params.contradiction_time > 0.0, "contradiction_time > 0 s");
+  require(params.confirm_after >= 0.0 && params.remember_for >= 0.0, "confirm_after, remember_for >= 0 s");
+  require(params.coast_after > 0.0 && params.delete_after > 0.0, "coast_after, delete_after > 0 s");
+  require(params.max_local_tracks >= 1 && params.max_targets >= 1, "max_local_tracks, max_targets >= 1");
+  return params;
+}
+
+}  // namespace
+
+PositionScene::PositionScene(const PositionSceneParams& params)
+    : params_(std::make_shared<const PositionSceneParams>(checked(params))), hypotheses_(params.hypotheses) {
+  PositionEstimator{params.estimator};  // both throw for a parameter out of range
+  StationNoise{params.noise};
+}
+
+int PositionScene::trackerNumber(const std::string& name) {
+  const auto found =
+      std::find_if(trackers_.begin(), trackers_.end(), [&](const Tracker& t) { return t.name == name; });
+  if (found != trackers_.end()) return static_cast<int>(found - trackers_.begin());
+  trackers_.emplace_back();
+  trackers_.back().name = name;
+  return static_cast<int>(trackers_.size()) - 1;
+}
+
+int PositionScene::sensorNumber(int tracker, const std::string& name) {
+  const auto found = std::find_if(sensors_.begin(), sensors_.end(), [&](const Sensor& sensor) {
+    return sensor.tracker == tracker && sensor.name == name;
+  });
+  if (found != sensors_.end()) return static_cast<int>(found - sensors_.begin());
+  sensors_.push_back({tracker, name, StationNoise(params_->noise)});
+  return static_cast<int>(sensors_.size()) - 1;
+}
+
+std::string PositionScene::nameOf(const ViewKey& key) const {
+  return trackers_[static_cast<std::size_t>(key.station)].name + "/" + std::to_string(key.track);
+}
+
+void PositionScene::take(const StationTracklet& in) {
+  const int tracker = trackerNumber(in.tracker);
+  const ViewKey key{tracker, in.track};
+  if (!locals_.count(key) && static_cast<int>(locals_.size()) >= params_->max_local_tracks) return;
+  Local& local = locals_[key];
+  const int sensor = sensorNumber(tracker, in.tracklet.sensor);
+  if (std::find(local.sensors.begin(), local.sensors.end(), sensor) == local.sensors.end())
+    local.sensors.push_back(sensor);
+  const Sighting sighting = rotate(in.tracklet.sighting, in.pose.R_metric_station);
+  // One sighting's variance, or what the local tracker says of its track: that has its slow errors in it.
+  const double of_sighting = 0.5 * sighting.covariance.trace() * std::max(in.tracklet.sightings, 1.0);
+  const double stated = std::max(of_sighting, local.stated_variance);
+
+  StationMeasurement measurement;
+  measurement.time = in.tracklet.time;
+  measurement.station = sensor;
+  measurement.ray.origin = in.pose.origin;
+  measurement.ray.direction = sighting.direction.normalized();
+  measurement.ray.covariance = sighting.covariance;
+  measurement.ray.motion = RayMotion{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity(), in.pose.velocity};
+  measurement.slow = sensors_[static_cast<std::size_t>(sensor)].noise.slowError(stated);
+  local.recent.push_back(measurement);
+  const auto old = std::find_if(local.recent.begin(), local.recent.end(), [&](const StationMeasurement& m) {
+    return seconds(in.tracklet.time - m.time) <= kRecent;
+  });
+  local.recent.erase(local.recent.begin(), old);
+  if (local.recent.size() > kMostRecent) local.recent.erase(local.recent.begin());
+
+  const auto target = targets_.find(local.target);
+  if (target != targets_.end()) feed(target->second, measurement, stated);
+}
+
+/// One more measurement of a target; its estimator is copied first when a snapshot shares it.
+void PositionScene::feed(Target& target, const StationMeasurement& measurement, double stated_variance) {
+  if (target.estimator.use_count() > 1)
+    target.estimator = std::make_shared<PositionEstimator>(*target.estimator);
+  PositionEstimator& estimator = *target.estimator;
+  const double misfit = estimator.misfit();
+  const MeasurementUse use = estimator.update(measurement);
+  if (use == MeasurementUse::refused) return;
+  target.last_sighting = measurement.time;
+  if (use == MeasurementUse::restarted) {
+    target.lost = measurement.time;
+    if (misfit > kMisfitOfContradiction) target.contradicted.clear();
+  }
+  if (use == MeasurementUse::started) {
+    target.lost.reset();
+    target.since = measurement.time;
+  }
+  if (const auto slow = estimator.slowErrorOf(measurement.station))
+    sensors_[static_cast<std::size_t>(measurement.station)].noise.noteSlowError(*slow, stated_variance);
+}
+
+void PositionScene::take(const StationTracks& in) {
+  const int number = trackerNumber(in.tracker);
+  Tracker& tracker = trackers_[static_cast<std::size_t>(number)];
+  tracker.view = in.view;
+  tracker.origin = in.pose.origin;
+  tracker.time = in.time;
+  std::set<std::uint32_t> reported;
+  const Eigen::Matrix3d& R = in.pose.R_metric_station;
+  for (const Track& track : in.tracks) {
+    const ViewKey key{number, track.id};
+    if (!track.state.mean.allFinite() || !track.state.covariance.allFinite()) continue;
+    if (!locals_.count(key) && static_cast<int>(locals_.size()) >= params_->max_local_tracks) continue;
+    reported.insert(track.id);
+    Local& local = locals_[key];
+    local.time = in.time;
+    local.is_reported = track.status == TrackStatus::confirmed;
+    local.view.key = key;
+    Ray& ray = local.view.ray;
+    ray.origin = in.pose.origin;
+    const Eigen::Vector2d angles = track.state.angles();
+    const Eigen::Matrix<double, 3, 2> D = R * directionJacobian(angles);
+    ray.direction = R * directionOf(angles);
+    ray.covariance = symmetric(D * track.state.anglesCovariance() * D.transpose());
+    RayMotion motion;
+    motion.rate = D * track.state.rates();
+    motion.covariance = symmetric(D * track.state.covariance.bottomRightCorner<2, 2>() * D.transpose());
+    motion.origin_velocity = in.pose.velocity;
+    ray.motion = motion;
+    local.stated_variance = 0.5 * ray.covariance.trace();
+  }
+  for (auto it = locals_.lower_bound({number, 0}); it != locals_.end() && it->first.station == number;) {
+    const bool is_gone =
+        !reported.count(it->first.track) &&
+        (it->second.recent.empty() || seconds(in.time - it->second.recent.back().time) > kFreshest);
+    if (!is_gone) {
+      if (!reported.count(it->first.track)) it->second.is_reported = false;
+      ++it;
+      continue;
+    }
+    if (it->second.target) release(it->second.target, it->first);
+    it = locals_.erase(it);
+  }
+  if (!decided_ || seconds(in.time - *decided_) >= params_->decision_interval) decide(in.time);
+}
+
+/// A local track no longer supports a target.
+void PositionScene::release(std::uint32_t id, const ViewKey& key) {
+  const auto local = locals_.find(key);
+  if (local != locals_.end()) local->second.target = 0;
+  const auto target = targets_.find(id);
+  if (target == targets_.end()) return;
+  target->second.supporters.erase(key);
+  target->second.contradicted.erase(key);
+}
+
+void PositionScene::dissolve(std::uint32_t id) {
+  const auto target = targets_.find(id);
+  if (target == targets_.end()) return;
+  for (const ViewKey& key : std::set<ViewKey>(target->second.supporters)) release(id, key);
+  targets_.erase(id);
+}
+
+/// What a local track says `now`: moved on at its rates, slow errors of its sensors in the covariance.
+LocalView PositionScene::viewAt(const Local& local, Time now) const {
+  LocalView view = local.view;
+  const double h = seconds(now - local.time);
+  Ray& ray = view.ray;
+  double slow = 0.0, time_constant = 1.0;
+  for (const int sensor : local.sensors) {
+    const SlowError error = sensors_[static_cast<std::size_t>(sensor)].noise.slowError(local.stated_variance);
+    if (error.variance <= slow) continue;
+    slow = error.variance;
+    time_constant = error.time_constant;
+  }
+  ray.direction = (ray.direction + h * ray.motion->rate).normalized();
+  const Eigen::Matrix3d projection = across(ray.direction);
+  ray.covariance = symmetric(projection * (ray.covariance + h * h * ray.motion->covariance) * projection) +
+                   slow * projection;
+  ray.motion->rate = projection * ray.motion->rate;
+  ray.motion->covariance = symmetric(projection * ray.motion->covariance * projection) +
+                           2.0 * slow / (time_constant * time_constant) * projection;
+  ray.origin += h * ray.motion->origin_velocity;
+  return view;
+}
+
+void PositionScene::decide(Time now) {
+  forget(now);
+  checkSupporters(now);
+  claim(now);
+  startTargets(now);
+  merge(now);
+  decided_ = now;
+}
+
+/// Life of the targets.
+void PositionScene::forget(Time now) {
+  for (auto it = targets_.begin(); it != targets_.end();) {
+    const std::uint32_t id = it->first;
+    Target& target = it->second;
+    ++it;
+    const bool is_silent = seconds(now - target.last_sighting) > params_->delete_after;
+    const bool is_forgotten = target.lost && seconds(now - *target.lost) > params_->remember_for;
+    if (is_silent || is_forgotten || target.supporters.empty()) {
+      dissolve(id);
+      continue;
+    }
+    const auto state = target.estimator->stateAt(std::max(now, target.estimator->time().value_or(now)));
+    const bool is_position = state && target.estimator->isPosition(*state);
+    if (is_position && seconds(now - target.since) >= params_->confirm_after) target.is_confirmed = true;
+  }
+}
+
+/// Supporters that contradict the target for long are taken out, and the target goes on without what they
+/// said.
+void PositionScene::checkSupporters(Time now) {
+  const double h = decided_ ? seconds(now - *decided_) : 0.0;
+  std::vector<std::pair<std::uint32_t, ViewKey>> wrong;
+  for (auto& [id, target] : targets_) {
+    const auto state = target.estimator->stateAt(std::max(now, target.estimator->time().value_or(now)));
+    if (!state || target.supporters.size() < 2) continue;
+    std::pair<double, ViewKey> worst{0.0, {}};
+    for (const ViewKey& key : target.supporters) {
+      const Local& local = locals_.at(key);
+      if (!local.is_reported || seconds(now - local.time) > kFreshest) continue;
+      const auto distance = distanceOf(viewAt(local, now), *state, false);
+      double& contradicted = target.contradicted[key];
+      const bool is_wrong = !distance || *distance > params_->contradiction;
+      contradicted = is_wrong ? contradicted + h : std::max(0.0, contradicted - h);
+      if (contradicted > std::max(worst.first, params_->contradiction_time)) worst = {contradicted, key};
+    }
+    if (worst.first > 0.0) wrong.emplace_back(id, worst.second);
+  }
+  for (const auto& [id, key] : wrong) {
+    release(id, key);
+    Target& target = targets_.at(id);
+    if (target.supporters.size() < 2) {  // of two nobody can tell which is wrong
+      dissolve(id);
+      continue;
+    }
+    target.contradicted.clear();
+    target.estimator = estimatorFrom(target.supporters);
+    if (!target.estimator->hasState()) target.lost = now;
+  }
+}
+
+/// Local tracks of further stations support targets that they agree with, better than with any other.
+void PositionScene::claim(Time now) {
+  std::map<std::pair<std::uint32_t, ViewKey>, int> claims;
+  for (std::size_t tracker = 0; tracker < trackers_.size(); ++tracker) {
+    const int station = static_cast<int>(tracker);
+    std::vector<LocalView> views;
+    for (auto it = locals_.lower_bound({station, 0}); it != locals_.end() && it->first.station == station;
+         ++it) {
+      const Local& local = it->second;
+      if (local.target == 0 && local.is_reported && seconds(now - local.time) <= kFreshest)
+        views.push_back(viewAt(local, now));
+    }
+    if (views.empty()) continue;
+    std::sort(views.begin(), views.end(), [](const LocalView& a, const LocalView& b) {
+      const double x = a.ray.direction.z(), y = b.ray.direction.z();
+      return x != y ? x < y : a.key < b.key;
+    });
+    double widest = 0.0;
+    for (const LocalView& view : views) widest = std::max(widest, std::sqrt(view.ray.covariance.trace()));
+    const Eigen::Vector3d origin = views.front().ray.origin;
+    std::vector<std::uint32_t> ids;
+    std::vector<GatedPair> pairs;
+    for (const auto& [id, target] : targets_) {
+      const bool has_one = std::any_of(target.supporters.begin(), target.supporters.end(),
+                                       [&](const ViewKey& key) { return key.station == station; });
+      if (has_one) continue;
+      const auto state = target.estimator->stateAt(std::max(now, target.estimator->time().value_or(now)));
+      if (!state || !target.estimator->isPosition(*state)) continue;
+      const Eigen::Vector3d to = state->mean.head<3>() - origin;
+      const double range = to.norm();
+      const double reach = std::sqrt(params_->claim_gate) *
+                           (widest + std::sqrt(state->covariance.topLeftCorner<3, 3>().trace()) / range);
+      const double z = to.z() / range;
+      auto view =
+          std::lower_bound(views.begin(), views.end(), z - reach,
+                           [](const LocalView& a, double height) { return a.ray.direction.z() < height; });
+      for (; view != views.end() && view->ray.direction.z() <= z + reach; ++view) {
+        const auto distance = distanceOf(*view, *state, true);
+        if (!distance || *distance > params_->claim_gate + kClaimMargin) continue;
+        if (ids.empty() || ids.back() != id) ids.push_back(id);
+        pairs.push_back(
+            {static_cast<int>(ids.size()) - 1, static_cast<int>(view - views.begin()), -*distance});
+      }
+    }
+    for (const std::vector<int>& group : clusters(pairs)) {
+      const Cluster cluster = clusterOf(pairs, group, std::vector<double>(ids.size(), 1.0));
+      Eigen::MatrixXd cost =
+          Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(cluster.tracks.size()),
+                                    static_cast<Eigen::Index>(cluster.takers.size()), kForbidden);
+      for (std::size_t t = 0; t < cluster.tracks.size(); ++t)
+        for (const Cluster::Choice& choice : cluster.choices[t])
+          cost(static_cast<Eigen::Index>(t), choice.sighting) =
+              -pairs[static_cast<std::size_t>(choice.pair)].log_ratio;
+      const std::vector<int> taken = assign(cost, params_->claim_gate);
+      for (std::size_t t = 0; t < taken.size(); ++t) {
+        if (taken[t] < 0) continue;
+        const auto row = static_cast<Eigen::Index>(t);
+        const double best = cost(row, taken[t]);
+        double second = kForbidden;  // of another target for the track, or of another track for the target
+        for (Eigen::Index j = 0; j < cost.cols(); ++j)
+          if (j != taken[t]) second = std::min(second, cost(row, j));
+        for (Eigen::Index i = 0; i < cost.rows(); ++i)
+          if (i != row) second = std::min(second, cost(i, taken[t]));
+        if (!(best <= params_->claim_gate) || second - best < kClaimMargin) continue;
+        const std::uint32_t id = ids[static_cast<std::size_t>(cluster.tracks[t])];
+        const auto pair = std::find_if(group.begin(), group.end(), [&](int p) {
+          const GatedPair& gated = pairs[static_cast<std::size_t>(p)];
+          return gated.track == cluster.tracks[t] && -gated.log_ratio == best;
+        });
+        const ViewKey key =
+            views[static_cast<std::size_t>(pairs[static_cast<std::size_t>(*pair)].sighting)].key;
+        const auto before = claims_.find({id, key});
+        const int turns = (before == claims_.end() ? 0 : before->second) + 1;
+        if (turns < params_->claim_decisions) {
+          claims[{id, key}] = turns;
+          continue;
+        }
+        targets_.at(id).supporters.insert(key);
+        locals_.at(key).target = id;
+      }
+    }
+  }
+  claims_ = std::move(claims);
+}
+
+/// An estimator that has taken the last measurements of all members, in order.
+std::shared_ptr<PositionEstimator> PositionScene::estimatorFrom(const std::set<ViewKey>& members) const {
+  std::vector<std::pair<ViewKey, const StationMeasurement*>> all;
+  for (const ViewKey& key : members)
+    for (const StationMeasurement& measurement : locals_.at(key).recent) all.emplace_back(key, &measurement);
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
+    if (a.second->time != b.second->time) return a.second->time < b.second->time;
+    return a.first == b.first ? a.second->station < b.second->station : a.first < b.first;
+  });
+  auto estimator = std::make_shared<PositionEstimator>(params_->estimator);
+  for (const auto& [key, measurement] : all) estimator->update(*measurement);
+  return estimator;
+}
+
+/// Free local tracks that cross as one target's do start a target, or bring one back that was a direction.
+void PositionScene::startTargets(Time now) {
+  std::vector<LocalView> views;
+  std::vector<LookingStation> stations;
+  for (const auto& [key, local] : locals_) {
+    const auto target = targets_.find(local.target);
+    const bool is_free = target == targets_.end() || target->second.lost.has_value();
+    if (is_free && local.is_reported && seconds(now - local.time) <= kFreshest)
+      views.push_back(viewAt(local, now));
+  }
+  for (std::size_t i = 0; i < trackers_.size(); ++i) {
+    if (seconds(now - trackers_[i].time) <= kFreshest)
+      stations.push_back({static_cast<int>(i), trackers_[i].origin, trackers_[i].view});
+  }
+  decision_ = hypotheses_.decide(now, std::move(views), stations);
+  for (const Candidate& candidate : decision_.targets) {
+    const std::set<ViewKey> members(candidate.members.begin(), candidate.members.end());
+    auto estimator = estimatorFrom(members);
+    if (!estimator->hasState()) continue;  // too few tracklets yet
+    std::uint32_t id = 0;
+    for (const ViewKey& key : members) {
+      const std::uint32_t had = locals_.at(key).target;
+      if (had && (id == 0 || had < id)) id = had;
+    }
+    for (const ViewKey& key : members) {
+      const std::uint32_t had = locals_.at(key).target;
+      if (had && had != id) release(had, key);
+    }
+    if (id == 0) {
+      if (static_cast<int>(targets_.size()) >= params_->max_targets) continue;
+      id = next_id_++;
+      targets_[id].since = now;
+    }
+    Target& target = targets_[id];
+    for (const ViewKey& key : std::set<ViewKey>(target.supporters))
+      if (!members.count(key)) release(id, key);
+    target.supporters = members;
+    target.contradicted.clear();
+    target.last_sighting = estimator->time().value_or(now);
+    target.lost.reset();
+    target.estimator = std::move(estimator);
+    for (const ViewKey& key : members) locals_.at(key).target = id;
+  }
+}
+
+/// Two targets of different stations at one place with one velocity are one: the older stays.
+void PositionScene::merge(Time now) {
+  struct At {
+    std::uint32_t id;
+    PositionState state;
+  };
+  std::vector<At> all;
+  for (const auto& [id, target] : targets_) {
+    const auto state = target.estimator->stateAt(std::max(now, target.estimator->time().value_or(now)));
+    if (state && target.estimator->isPosition(*state)) all.push_back({id, *state});
+  }
+  std::sort(all.begin(), all.end(), [](const At& a, const At& b) {
+    return a.state.mean(0) != b.state.mean(0) ? a.state.mean(0) < b.state.mean(0) : a.id < b.id;
+  });
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> meetings;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> same;
+  double widest = 0.0;
+  for (const At& at : all) widest = std::max(widest, at.state.covariance(0, 0));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t j = i + 1; j < all.size(); ++j) {
+      const Eigen::Matrix<double, 6, 1> apart = all[j].state.mean - all[i].state.mean;
+      if (apart(0) * apart(0) > params_->merge_gate * 2.0 * widest) break;
+      const Eigen::Matrix<double, 6, 6> S = all[i].state.covariance + all[j].state.covariance;
+      if (apart.dot(S.llt().solve(apart)) > params_->merge_gate) continue;
+      const auto pair = std::minmax(all[i].id, all[j].id);
+      std::set<int> stations;
+      std::size_t supporters = 0;
+      for (const std::uint32_t id : {pair.first, pair.second}) {
+        for (const ViewKey& key : targets_.at(id).supporters) {
+          stations.insert(key.station);
+          ++supporters;
+        }
+      }
+      if (stations.size() < supporters) continue;  // a station sees both
+      const auto before = meetings_.find(pair);
+      const int turns = (before == meetings_.end() ? 0 : before->second) + 1;
+      if (turns < params_->claim_decisions)
+        meetings[pair] = turns;
+      else
+        same.push_back(pair);
+    }
+  }
+  for (const auto& [older, younger] : same) {
+    if (!targets_.count(older) || !targets_.count(younger)) continue;
+    const std::set<ViewKey> supporters = targets_.at(younger).supporters;
+    dissolve(younger);
+    for (const ViewKey& key : supporters) {
+      targets_.at(older).supporters.insert(key);
+      locals_.at(key).target = older;
+    }
+  }
+  meetings_ = std::move(meetings);
+}
+
+PositionOutput PositionScene::output(Time time) const {
+  PositionOutput out;
+  out.tracks.time = time;
+  for (const auto& [id, target] : targets_) {
+    const auto state = target.estimator->stateAt(std::max(time, target.estimator->time().value_or(time)));
+    if (!state || !target.estimator->isPosition(*state)) continue;
+    PositionTrack track;
+    track.id = id;
+    track.status = target.is_confirmed ? TrackStatus::confirmed : TrackStatus::tentative;
+    if (seconds(time - target.last_sighting) > params_->coast_after) track.status = TrackStatus::coasting;
+    track.position = state->mean.head<3>();
+    track.velocity = state->mean.tail<3>();
+    track.covariance = state->covariance;
+    track.last_sighting = target.last_sighting;
+    track.parallax = state->parallax;
+    for (const ViewKey& key : target.supporters) track.sources.push_back(nameOf(key));
+    std::sort(track.sources.begin(), track.sources.end());
+    out.tracks.tracks.push_back(track);
+  }
+  out.report.time = decided_.value_or(time);
+  out.report.is_complete = decision_.is_complete;
+  std::map<ViewKey, Refusal> reasons;
+  for (const RefusedCrossing& refused : decision_.refused) {
+    RefusedCrossingReport report;
+    for (const ViewKey& key : refused.candidate.members) report.sources.push_back(nameOf(key));
+    report.position = refused.candidate.at.point;
+    report.score = refused.candidate.score;
+    report.margin = refused.candidate.margin;
+    switch (refused.reason) {
+      case CrossingRefusal::unlikely:
+        report.reason = {"unlikely", "its tracks are better explained as targets that one station sees"};
+        break;
+      case CrossingRefusal::ghost:
+        report.reason = {"ghost", "its tracks are better explained by other crossings"};
+        break;
+      case CrossingRefusal::ambiguous:
+        report.reason = {"ambiguous",
+                         "other crossings explain its tracks as well: a third station or time must tell"};
+        break;
+    }
+    for (const ViewKey& key : refused.candidate.members) reasons[key] = report.reason;
+    out.report.refused.push_back(report);
+  }
+  for (const auto& [key, local] : locals_) {
+    const bool has_position =
+        std::any_of(out.tracks.tracks.begin(), out.tracks.tracks.end(),
+                    [&](const PositionTrack& track) { return track.id == local.target; });
+    if (!local.is_reported || has_position) continue;
+    const auto target = targets_.find(local.target);
+    const auto reason = reasons.find(key);
+    Refusal why{"one station only", "no other station has a track that crosses it with enough parallax"};
+    if (target != targets_.end() && target->second.supporters.size() > 1)
+      why = {"parallax too small", "the rays of its stations do not tell the range well enough"};
+    else if (reason != reasons.end())
+      why = reason->second;
+    out.report.unlocated.push_back({nameOf(key), why});
+  }
+  std::sort(out.report.unlocated.begin(), out.report.unlocated.end(),
+            [](const UnlocatedTrack& a, const UnlocatedTrack& b) { return a.source < b.source; });
+  for (const Sensor& sensor : sensors_) {
+    out.report.stations.push_back({trackers_[static_cast<std::size_t>(sensor.tracker)].name, sensor.name,
+                                   sensor.noise.slowScale(), sensor.noise.timeConstant()});
+  }
+  std::sort(out.report.stations.begin(), out.report.stations.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.tracker, a.sensor) < std::tie(b.tracker, b.sensor);
+  });
+  return out;
+}
+
+}  // namespace sightline::core

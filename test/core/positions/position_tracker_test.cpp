@@ -1,0 +1,274 @@
+#include "sightline/core/positions/position_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+#include "simulated_field.h"
+
+namespace sightline::core {
+namespace {
+
+using test::FieldMessage;
+using test::FieldStation;
+using test::Path;
+using test::SimulatedField;
+using Vector = Eigen::Vector3d;
+
+Path circle(const Vector& centre, double radius, double rate, double phase) {
+  return [=](double t) {
+    return Vector(centre.x() + radius * std::cos(rate * t + phase),
+                  centre.y() + radius * std::sin(rate * t + phase),
+                  centre.z() + 2.0 * std::sin(0.5 * rate * t + phase));
+  };
+}
+
+void feed(PositionTracker& tracker, const FieldMessage& message) {
+  EXPECT_TRUE(tracker.onTracklets(message.tracklets).empty()) << message.time;
+  EXPECT_FALSE(tracker.onTracks(message.tracks)) << message.time;
+}
+
+std::optional<std::size_t> nearestTarget(const std::vector<Path>& paths, double t, const Vector& position,
+                                         double reach) {
+  std::optional<std::size_t> nearest;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const double distance = (paths[i](t) - position).norm();
+    if (distance > reach) continue;
+    nearest = i;
+    reach = distance;
+  }
+  return nearest;
+}
+
+TEST(PositionTracker, OneTargetOfTwoStationsGetsOneConfirmedPositionWithAnHonestCovariance) {
+  const std::vector<Path> paths{circle({45, 55, 25}, 15, 0.4, 0.0)};
+  SimulatedField field(test::fieldStations(2), paths, 1);
+  PositionTracker tracker;
+  std::set<std::uint32_t> ids;
+  double nees = 0.0, squares = 0.0, next = 2.0;
+  int count = 0, missed = 0;
+  for (FieldMessage message = field.next(); message.time < 15.0; message = field.next()) {
+    feed(tracker, message);
+    if (message.time < next) continue;
+    next += 0.2;
+    const auto output = tracker.report();
+    ASSERT_TRUE(output);
+    ASSERT_LE(output->tracks.tracks.size(), 1u);
+    if (output->tracks.tracks.empty()) {
+      ++missed;
+      continue;
+    }
+    const PositionTrack& track = output->tracks.tracks[0];
+    ids.insert(track.id);
+    const Vector error = track.position - paths[0](seconds(output->tracks.time.time_since_epoch()));
+    nees += error.dot(track.covariance.topLeftCorner<3, 3>().llt().solve(error)) / 3.0;
+    squares += error.squaredNorm();
+    ++count;
+    if (message.time > 3.0) {
+      EXPECT_EQ(track.status, TrackStatus::confirmed);
+      EXPECT_EQ(track.sources.size(), 2u);
+      EXPECT_GT(track.parallax, 0.5);
+    }
+  }
+  EXPECT_EQ(missed, 0);
+  EXPECT_EQ(ids, std::set<std::uint32_t>{1});
+  EXPECT_LT(std::sqrt(squares / count), 0.1);
+  EXPECT_GT(nees / count, 0.1);
+  EXPECT_LT(nees / count, 1.6);
+}
+
+struct SwarmFigures {
+  double found = 0.0, ghosts = 0.0;  // share of the targets' time; of the tracks' time
+  int changes = 0;                   // of id
+};
+
+SwarmFigures swarm(int stations_count, int targets, double seconds_long, double detection, double clutter,
+                   std::uint64_t seed, double from) {
+  RandomStream random(seed);
+  std::vector<Path> paths;
+  for (int i = 0; i < targets; ++i) {
+    const Vector centre(25 + 30 * random.uniform(), 35 + 30 * random.uniform(), 15 + 20 * random.uniform());
+    paths.push_back(
+        circle(centre, 8 + 12 * random.uniform(), 0.3 + 0.3 * random.uniform(), 6.28 * random.uniform()));
+  }
+  std::vector<FieldStation> stations = test::fieldStations(stations_count);
+  for (FieldStation& station : stations) {
+    station.detection_probability = detection;
+    station.clutter = clutter;
+  }
+  SimulatedField field(stations, paths, seed);
+  PositionTracker tracker;
+  SwarmFigures figures;
+  int looks = 0, found = 0, tracks = 0, ghosts = 0;
+  std::map<std::size_t, std::uint32_t> id_of;
+  double next = from;
+  for (FieldMessage message = field.next(); message.time < seconds_long; message = field.next()) {
+    feed(tracker, message);
+    if (message.time < next) continue;
+    next += 0.25;
+    const auto output = tracker.report();
+    std::set<std::size_t> seen;
+    for (const PositionTrack& track : output->tracks.tracks) {
+      if (track.status != TrackStatus::confirmed) continue;
+      ++tracks;
+      const auto target =
+          nearestTarget(paths, seconds(output->tracks.time.time_since_epoch()), track.position, 2.0);
+      if (!target || !seen.insert(*target).second) {
+        ++ghosts;
+        continue;
+      }
+      auto [it, is_new] = id_of.emplace(*target, track.id);
+      if (!is_new && it->second != track.id) {
+        ++figures.changes;
+        it->second = track.id;
+      }
+    }
+    looks += targets;
+    found += static_cast<int>(seen.size());
+  }
+  figures.found = static_cast<double>(found) / looks;
+  figures.ghosts = tracks ? static_cast<double>(ghosts) / tracks : 0.0;
+  return figures;
+}
+
+TEST(PositionTracker, ASwarmInClutterIsFoundWithoutGhosts) {
+  const SwarmFigures figures = swarm(4, 10, 15.0, 0.9, 2.0, 3, 4.0);
+  EXPECT_GE(figures.found, 0.97);
+  EXPECT_LE(figures.ghosts, 0.01);
+  EXPECT_LE(figures.changes, 1);
+}
+
+TEST(PositionTracker, TheSamePositionsComeOutInWhateverOrderTheMessagesCome) {
+  const std::vector<Path> paths{circle({45, 55, 25}, 15, 0.4, 0.0), circle({35, 45, 20}, 10, 0.5, 2.0)};
+  SimulatedField field(test::fieldStations(3), paths, 4);
+  std::vector<FieldMessage> messages;
+  for (FieldMessage message = field.next(); message.time < 6.0; message = field.next())
+    messages.push_back(message);
+
+  PositionTracker in_order;
+  for (const FieldMessage& message : messages) {
+    feed(in_order, message);
+    in_order.report();
+  }
+  // Each message is late by up to 0.4 s.
+  std::mt19937 random(2);
+  std::vector<std::pair<double, std::size_t>> arrival;
+  for (std::size_t i = 0; i < messages.size(); ++i)
+    arrival.emplace_back(messages[i].time + 0.4 * static_cast<double>(random() % 1000) / 1000.0, i);
+  std::sort(arrival.begin(), arrival.end());
+  PositionTracker shuffled;
+  for (const auto& [time, i] : arrival) {
+    feed(shuffled, messages[i]);
+    shuffled.report();
+  }
+  const auto a = in_order.report(), b = shuffled.report();
+  ASSERT_TRUE(a && b);
+  ASSERT_EQ(a->tracks.tracks.size(), 2u);
+  ASSERT_EQ(b->tracks.tracks.size(), 2u);
+  EXPECT_EQ(a->tracks.time, b->tracks.time);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(a->tracks.tracks[i].id, b->tracks.tracks[i].id);
+    EXPECT_EQ(a->tracks.tracks[i].position, b->tracks.tracks[i].position);
+    EXPECT_EQ(a->tracks.tracks[i].covariance, b->tracks.tracks[i].covariance);
+    EXPECT_EQ(a->tracks.tracks[i].sources, b->tracks.tracks[i].sources);
+  }
+}
+
+TEST(PositionTracker, OneStationLeftAloneHoldsThePositionForAWhileAndTheIdUntilASecondReturns) {
+  const std::vector<Path> paths{circle({45, 55, 25}, 15, 0.4, 0.0)};
+  auto stations = test::fieldStations(2);
+  stations[1].sees = [](double t) { return t < 5.0 || t > 13.0; };
+  SimulatedField field(stations, paths, 5);
+  PositionTracker tracker;
+  std::set<std::uint32_t> ids;
+  double last_alone = 0.0, next = 1.0;
+  bool is_back = false, was_direction = false;
+  for (FieldMessage message = field.next(); message.time < 17.0; message = field.next()) {
+    feed(tracker, message);
+    if (message.time < next) continue;
+    next += 0.1;
+    const auto output = tracker.report();
+    for (const PositionTrack& track : output->tracks.tracks) ids.insert(track.id);
+    const bool has_position = !output->tracks.tracks.empty();
+    if (message.time > 5.0 && message.time < 13.0 && has_position) last_alone = message.time;
+    if (message.time > 9.0 && message.time < 13.0 && !has_position) {
+      was_direction = true;
+      ASSERT_EQ(output->report.unlocated.size(), 1u);
+      EXPECT_EQ(output->report.unlocated[0].reason.kind, "one station only");
+    }
+    if (message.time > 16.0) is_back = has_position;
+  }
+  EXPECT_GT(last_alone, 6.0);
+  EXPECT_TRUE(was_direction);
+  EXPECT_TRUE(is_back);
+  EXPECT_EQ(ids, std::set<std::uint32_t>{1});
+}
+
+TEST(PositionTracker, AParallelPairInThePlaneOfTheBaselineGivesNoWrongPositionFromTwoStations) {
+  // At the height of the stations' baseline, moving along their bisector.
+  const std::vector<Path> paths{[](double t) { return Vector(40, 60 + t, 1.4); },
+                                [](double t) { return Vector(60, 60 + t, 1.4); }};
+  for (const int stations : {2, 3}) {
+    SimulatedField field(test::fieldStations(stations), paths, 6);
+    PositionTracker tracker;
+    std::optional<PositionOutput> output;
+    double next = 1.0;
+    for (FieldMessage message = field.next(); message.time < 8.0; message = field.next()) {
+      feed(tracker, message);
+      if (message.time < next) continue;
+      next += 0.25;
+      output = tracker.report();
+      for (const PositionTrack& track : output->tracks.tracks) {
+        EXPECT_TRUE(
+            nearestTarget(paths, seconds(output->tracks.time.time_since_epoch()), track.position, 3.0))
+            << stations << " stations at " << message.time << ": " << track.position.transpose();
+      }
+    }
+    if (stations == 3) {
+      EXPECT_EQ(output->tracks.tracks.size(), 2u);
+    }
+  }
+}
+
+TEST(PositionTracker, LateDoubleAndBadInputIsRefusedWithItsReason) {
+  SimulatedField field(test::fieldStations(2), {circle({45, 55, 25}, 15, 0.4, 0.0)}, 7);
+  PositionTracker tracker;
+  EXPECT_FALSE(tracker.report());
+  std::vector<FieldMessage> messages;
+  for (FieldMessage message = field.next(); message.time < 4.0; message = field.next())
+    messages.push_back(message);
+  for (const FieldMessage& message : messages) feed(tracker, message);
+  tracker.report();
+  EXPECT_EQ(tracker.onTracks(messages.back().tracks)->kind, "duplicate");
+  EXPECT_EQ(tracker.onTracks(messages.front().tracks)->kind, "late");
+  StationTracks bad = messages.back().tracks;
+  bad.time += durationOf(1.0);
+  bad.pose.origin.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(tracker.onTracks(bad)->kind, "invalid");
+  const auto with_tracklets = std::find_if(messages.begin(), messages.end(),
+                                           [](const FieldMessage& m) { return !m.tracklets.empty(); });
+  ASSERT_NE(with_tracklets, messages.end());
+  StationTracklet tracklet = with_tracklets->tracklets.front();
+  tracklet.tracklet.sighting.covariance.setZero();
+  ASSERT_EQ(tracker.onTracklets({tracklet}).size(), 1u);
+  EXPECT_EQ(tracker.onTracklets({tracklet})[0].kind, "invalid");
+
+  PositionTrackerParams params;
+  params.max_lag = -1.0;
+  EXPECT_THROW(PositionTracker{params}, std::invalid_argument);
+  params = {};
+  params.scene.claim_decisions = 0;
+  EXPECT_THROW(PositionTracker{params}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sightline::core
