@@ -148,12 +148,15 @@ class Follower {
     measurement.station = seen.station;
     measurement.ray.origin = recording_.origins[station];
     measurement.ray.direction = seen.direction;
-    measurement.ray.covariance = noise.whiteScale() * seen.variance * across(seen.direction);
-    measurement.slow = noise.slowError(seen.variance);
+    const double white = noise.whiteScale() * seen.variance;
+    const double reference = core::slowReference(seen.variance, white);
+    measurement.ray.covariance = white * across(seen.direction);
+    measurement.slow = noise.slowError(reference);
     const core::MeasurementUse use = estimator_.update(measurement);
     if (use == core::MeasurementUse::started) ++starts;
     if (use == core::MeasurementUse::restarted) ++losses;
-    if (const auto slow = estimator_.slowErrorOf(seen.station)) noise.noteSlowError(*slow, seen.variance);
+    if (const auto slow = estimator_.slowErrorOf(seen.station))
+      noise.noteSlowError(*slow, reference, slow->since);
     last_[station] = seen.time;
   }
 

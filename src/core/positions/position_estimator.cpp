@@ -109,6 +109,7 @@ PositionEstimator::Seen& PositionEstimator::note(const StationMeasurement& m) {
     seen->alone_origin = m.ray.origin;
   } else {
     const double h = seconds(m.time - seen->last);
+    seen->since = h;
     if (h > 0.0 && h < kLongestInterval)
       seen->interval = seen->interval > 0.0 ? seen->interval + 0.2 * (h - seen->interval) : h;
   }
@@ -473,6 +474,10 @@ std::optional<SlowErrorEstimate> PositionEstimator::slowErrorOf(int station) con
     SlowErrorEstimate estimate;
     estimate.station = station;
     estimate.time = *time_;
+    for (int j = 0; j < seen_count_; ++j) {
+      const Seen& seen = seen_[static_cast<std::size_t>(j)];
+      if (seen.station == station) estimate.since = seen.since;
+    }
     estimate.error = all.mean.segment<2>(kMotionSize + 2 * i);
     estimate.covariance = all.covariance.block<2, 2>(kMotionSize + 2 * i, kMotionSize + 2 * i);
     estimate.basis = slot.basis;

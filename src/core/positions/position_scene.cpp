@@ -104,8 +104,8 @@ void PositionScene::take(const StationTracklet& in) {
     local.sensors.push_back(sensor);
   const Sighting sighting = rotate(in.tracklet.sighting, in.pose.R_metric_station);
   // One sighting's variance, or what the local tracker says of its track: that has its slow errors in it.
-  const double of_sighting = 0.5 * sighting.covariance.trace() * std::max(in.tracklet.sightings, 1.0);
-  const double stated = std::max(of_sighting, local.stated_variance);
+  const double white = 0.5 * sighting.covariance.trace() * std::max(in.tracklet.sightings, 1.0);
+  local.reference = slowReference(std::max(white, local.stated_variance), white);
 
   StationMeasurement measurement;
   measurement.time = in.tracklet.time;
@@ -114,7 +114,7 @@ void PositionScene::take(const StationTracklet& in) {
   measurement.ray.direction = sighting.direction.normalized();
   measurement.ray.covariance = sighting.covariance;
   measurement.ray.motion = RayMotion{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity(), in.pose.velocity};
-  measurement.slow = sensors_[static_cast<std::size_t>(sensor)].noise.slowError(stated);
+  measurement.slow = sensors_[static_cast<std::size_t>(sensor)].noise.slowError(local.reference);
   local.recent.push_back(measurement);
   const auto old = std::find_if(local.recent.begin(), local.recent.end(), [&](const StationMeasurement& m) {
     return seconds(in.tracklet.time - m.time) <= kRecent;
@@ -123,11 +123,11 @@ void PositionScene::take(const StationTracklet& in) {
   if (local.recent.size() > kMostRecent) local.recent.erase(local.recent.begin());
 
   const auto target = targets_.find(local.target);
-  if (target != targets_.end()) feed(target->second, measurement, stated);
+  if (target != targets_.end()) feed(target->second, measurement, local.reference);
 }
 
 /// One more measurement of a target; its estimator is copied first when a snapshot shares it.
-void PositionScene::feed(Target& target, const StationMeasurement& measurement, double stated_variance) {
+void PositionScene::feed(Target& target, const StationMeasurement& measurement, double reference) {
   if (target.estimator.use_count() > 1)
     target.estimator = std::make_shared<PositionEstimator>(*target.estimator);
   PositionEstimator& estimator = *target.estimator;
@@ -144,7 +144,8 @@ void PositionScene::feed(Target& target, const StationMeasurement& measurement, 
     target.since = measurement.time;
   }
   if (const auto slow = estimator.slowErrorOf(measurement.station))
-    sensors_[static_cast<std::size_t>(measurement.station)].noise.noteSlowError(*slow, stated_variance);
+    sensors_[static_cast<std::size_t>(measurement.station)].noise.noteSlowError(*slow, reference,
+                                                                                slow->since);
 }
 
 void PositionScene::take(const StationTracks& in) {
@@ -216,7 +217,7 @@ LocalView PositionScene::viewAt(const Local& local, Time now) const {
   Ray& ray = view.ray;
   double slow = 0.0, time_constant = 1.0;
   for (const int sensor : local.sensors) {
-    const SlowError error = sensors_[static_cast<std::size_t>(sensor)].noise.slowError(local.stated_variance);
+    const SlowError error = sensors_[static_cast<std::size_t>(sensor)].noise.slowError(local.reference);
     if (error.variance <= slow) continue;
     slow = error.variance;
     time_constant = error.time_constant;

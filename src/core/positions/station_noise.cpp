@@ -10,15 +10,20 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kLongestStep = 0.15;   // [s] between directions whose third difference is taken
-constexpr double kWhiteMemory = 300.0;  // third differences that count
-constexpr double kFewestWhite = 10.0;   // of them, before the stated noise is left
-constexpr double kWhiteClip = 30.0;     // of one squared third difference over the mean so far
-constexpr double kLeastWhite = 1e-4;    // variance over the stated one
-constexpr double kSlowInterval = 0.1;   // [s] between estimates of the slow error that are taken
-constexpr double kFewestLags = 20.0;    // [s] of data before the time constant is left
+constexpr double kLongestStep = 0.15;     // [s] between directions whose third difference is taken
+constexpr double kWhiteMemory = 300.0;    // third differences that count
+constexpr double kFewestWhite = 10.0;     // of them, before the stated noise is left
+constexpr double kWhiteClip = 30.0;       // of one squared third difference over the mean so far
+constexpr double kLeastWhite = 1e-4;      // variance over the stated one
+constexpr double kSlowInterval = 0.1;     // [s] between estimates of the slow error that are taken
+constexpr double kLeastRest = 0.3 * 0.3;  // of the stated variance, that may be slow when all seems white
+constexpr double kFewestLags = 20.0;      // [s] of data before the time constant is left
 
 }  // namespace
+
+double slowReference(double stated_variance, double white_variance) {  // (P-9)
+  return std::max(stated_variance - white_variance, kLeastRest * stated_variance);
+}
 
 StationNoise::StationNoise(const StationNoiseParams& params) : params_(params) {
   const auto require = [](bool ok, const char* what) {
@@ -70,25 +75,23 @@ double StationNoise::whiteScale() const {
   return std::clamp(white_sum_ / white_weight_, kLeastWhite, 1.0);
 }
 
-void StationNoise::noteSlowError(const SlowErrorEstimate& estimate, double stated_variance) {  // (P-9)
-  if (!(stated_variance > 0.0) || !estimate.covariance.allFinite() || !estimate.error.allFinite()) return;
-  double h = kSlowInterval;
-  if (last_) {
-    h = seconds(estimate.time - *last_);
-    if (h < kSlowInterval) return;
-    h = std::min(h, 1.0);
-  }
+void StationNoise::noteSlowError(const SlowErrorEstimate& estimate, double reference,
+                                 double since) {  // (P-9)
+  if (!(reference > 0.0) || !estimate.covariance.allFinite() || !estimate.error.allFinite()) return;
+  const double h = std::clamp(since, 0.0, kLongestStep);
+  const double passed = last_ ? std::max(seconds(estimate.time - *last_), 0.0) : 0.0;
   last_ = estimate.time;
-  const double kept = std::exp(-h / params_.memory);
+  const double kept = std::exp(-passed / params_.memory);
   // What is estimated of it has the variance of the error less what stays unknown; what no other station
   // can contradict is not estimated at all and tells nothing.
-  const double square = 0.5 * estimate.error.squaredNorm() / stated_variance;
-  const double told = 1.0 - 0.5 * estimate.covariance.trace() / slowError(stated_variance).variance;
+  const double square = 0.5 * estimate.error.squaredNorm() / reference;
+  const double told = 1.0 - 0.5 * estimate.covariance.trace() / slowError(reference).variance;
   slow_sum_ = kept * slow_sum_ + h * params_.safety * square;
   slow_weight_ = kept * slow_weight_ + h * std::clamp(told, 0.0, 1.0);
 
+  if (past_count_ > 0 && seconds(estimate.time - past_[past_count_ - 1].time) < kSlowInterval) return;
   // Correlation with what was found about half a time constant ago.
-  const Eigen::Vector3d error = estimate.basis.transpose() * estimate.error / std::sqrt(stated_variance);
+  const Eigen::Vector3d error = estimate.basis.transpose() * estimate.error / std::sqrt(reference);
   const double lag = std::clamp(0.5 * timeConstant(), 0.2, 1.5);
   for (std::size_t i = past_count_; i-- > 0;) {
     const double age = seconds(estimate.time - past_[i].time);
@@ -122,9 +125,9 @@ double StationNoise::timeConstant() const {
                     params_.most_time);
 }
 
-SlowError StationNoise::slowError(double stated_variance) const {
+SlowError StationNoise::slowError(double reference) const {
   const double scale = slowScale();
-  return {scale * scale * stated_variance, timeConstant()};
+  return {scale * scale * reference, timeConstant()};
 }
 
 }  // namespace sightline::core

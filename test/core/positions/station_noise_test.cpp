@@ -69,7 +69,7 @@ double learntScale(double true_scale, const StationNoiseParams& params, std::uin
       m.slow = noise[s].slowError(kStated);
       estimator.update(m);
       if (const auto slow = estimator.slowErrorOf(static_cast<int>(s)))
-        noise[s].noteSlowError(*slow, kStated);
+        noise[s].noteSlowError(*slow, kStated, slow->since);
     }
   }
   return noise[0].slowScale();
@@ -107,7 +107,7 @@ TEST(StationNoise, EstimatesThatTellNothingLeaveTheSizeAlone) {
   estimate.basis << 1, 0, 0, 0, 1, 0;
   for (int i = 0; i < 1000; ++i) {
     estimate.time = Time(durationOf(i * kStep));
-    noise.noteSlowError(estimate, kStated);
+    noise.noteSlowError(estimate, kStated, kStep);
   }
   EXPECT_NEAR(noise.slowScale(), StationNoiseParams{}.slow_scale, 1e-9);
 }
@@ -122,12 +122,12 @@ TEST(StationNoise, TheTimeConstantIsLearntWhenAskedFor) {
     estimate.basis << 1, 0, 0, 0, 1, 0;
     estimate.covariance = 1e-9 * Eigen::Matrix2d::Identity();
     Eigen::Vector2d error = Eigen::Vector2d::Zero();
-    const double h = 0.1, phi = std::exp(-h / truth);
+    const double h = kStep, phi = std::exp(-h / truth);
     for (int i = 0; i < 5000; ++i) {
       error = phi * error + 1e-3 * std::sqrt(1.0 - phi * phi) * random.normalPair();
       estimate.error = error;
       estimate.time = Time(durationOf(i * h));
-      noise.noteSlowError(estimate, kStated);
+      noise.noteSlowError(estimate, kStated, kStep);
     }
     EXPECT_GT(noise.timeConstant(), 0.5 * truth);
     EXPECT_LT(noise.timeConstant(), 2.0 * truth);

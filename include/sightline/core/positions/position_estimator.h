@@ -63,7 +63,8 @@ struct PositionState {
 struct SlowErrorEstimate {
   int station = 0;
   Time time{};
-  Eigen::Vector2d error = Eigen::Vector2d::Zero();           ///< over `basis` [rad]
+  double since = 0.0;                               ///< the station's measurement before its last one [s]
+  Eigen::Vector2d error = Eigen::Vector2d::Zero();  ///< over `basis` [rad]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [rad^2]
   Eigen::Matrix<double, 2, 3> basis = Eigen::Matrix<double, 2, 3>::Zero();
 };
@@ -109,6 +110,7 @@ class PositionEstimator {
     int station = -1;
     Time last{};
     double interval = 0.0;                             // between measurements [s], 0 = not known
+    double since = 0.0;                                // between the last two [s]
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // at the last measurement
     double variance = 0.0;                             // of one measurement, with the slow error [rad^2]
     bool is_at_rest = true;

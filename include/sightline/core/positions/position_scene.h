@@ -96,6 +96,7 @@ class PositionScene {
     Time time{};
     bool is_reported = false;      // by the tracker, and confirmed
     double stated_variance = 0.0;  // of its directions, slow errors included [rad^2]; 0 = not known
+    double reference = 0.0;        // slowReference of its directions [rad^2]
     std::vector<int> sensors;
     std::vector<StationMeasurement> recent;  // the last seconds, in order
     std::uint32_t target = 0;                // that it supports, 0 = none
@@ -112,7 +113,7 @@ class PositionScene {
   int trackerNumber(const std::string& name);
   int sensorNumber(int tracker, const std::string& name);
   std::string nameOf(const ViewKey& key) const;
-  void feed(Target& target, const StationMeasurement& measurement, double stated_variance);
+  void feed(Target& target, const StationMeasurement& measurement, double reference);
   void decide(Time now);
   LocalView viewAt(const Local& local, Time now) const;
   void release(std::uint32_t id, const ViewKey& key);

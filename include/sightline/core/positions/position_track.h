@@ -50,7 +50,7 @@ struct UnlocatedTrack {
 /// What is known of a sensor.
 struct StationReport {
   std::string tracker, sensor;
-  double slow_scale = 1.0;     ///< sigma of its slow error over the stated sigma [1]
+  double slow_scale = 1.0;     ///< sigma of its slow error over what is stated and not white noise [1]
   double time_constant = 3.0;  ///< of it [s]
 };
 
