@@ -13,7 +13,7 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-#include "simulated_field.h"
+#include "support/simulated_field.h"
 
 namespace sightline::core {
 namespace {

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+namespace sightline::bench {
+
+/// The drone with the whole chain: local trackers, tracklets, position tracker.
+void trackedDrone(const std::string& folder);
+
+/// Simulated targets in a field, with the whole chain and the bound.
+void simulatedFields(int runs);
+
+}  // namespace sightline::bench
