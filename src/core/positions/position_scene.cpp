@@ -6,8 +6,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "sightline/core/association/assignment.h"
-#include "sightline/core/association/clusters.h"
 #include "sightline/core/model/sphere.h"
 
 namespace sightline::core {
@@ -15,38 +13,10 @@ namespace {
 
 constexpr double kRecent = 1.5;                 // [s] of measurements that are kept to start a target with
 constexpr std::size_t kMostRecent = 64;         // of one local track
-constexpr double kFreshest = 0.5;               // [s] beyond which a local track says nothing of now
-constexpr double kClaimMargin = 9.0;            // of chi-square, between the best and the second best claim
 constexpr double kMisfitOfContradiction = 6.0;  // above which a lost target is dissolved and not remembered
 
 Eigen::Matrix3d across(const Eigen::Vector3d& direction) {
   return Eigen::Matrix3d::Identity() - direction * direction.transpose();
-}
-
-/// chi-square of a view, direction and rate, against a target's state, slow errors in the view's covariance.
-std::optional<double> distanceOf(const LocalView& view, const PositionState& state, bool with_rate) {
-  const Eigen::Vector3d point = state.mean.head<3>(), velocity = state.mean.tail<3>();
-  const auto seen = innovationOf(view.ray, point);
-  if (!seen) return std::nullopt;
-  const Eigen::Vector3d v = (point - view.ray.origin) / seen->range;
-  const Eigen::Matrix<double, 2, 3> B = acrossBasis(v);
-  Eigen::Matrix<double, 4, 6> H = Eigen::Matrix<double, 4, 6>::Zero();
-  Eigen::Vector4d residual = Eigen::Vector4d::Zero();
-  Eigen::Matrix4d R = Eigen::Matrix4d::Identity();
-  H.topLeftCorner<2, 3>() = seen->H;
-  residual.head<2>() = seen->residual;
-  R.topLeftCorner<2, 2>() = seen->R;
-  if (with_rate && view.ray.motion) {
-    const Eigen::Vector3d relative = velocity - view.ray.motion->origin_velocity;
-    const Eigen::Vector2d expected = B * relative / seen->range;
-    H.bottomLeftCorner<2, 3>() =
-        -(relative.dot(v) / seen->range * B + expected * v.transpose()) / seen->range;
-    H.bottomRightCorner<2, 3>() = B / seen->range;
-    residual.tail<2>() = B * view.ray.motion->rate - expected;
-    R.bottomRightCorner<2, 2>() = symmetric(B * view.ray.motion->covariance * B.transpose());
-  }
-  const Eigen::Matrix4d S = symmetric(H * state.covariance * H.transpose()) + R;
-  return residual.dot(S.llt().solve(residual));
 }
 
 PositionSceneParams checked(const PositionSceneParams& params) {
@@ -181,7 +151,7 @@ void PositionScene::take(const StationTracks& in) {
   for (auto it = locals_.lower_bound({number, 0}); it != locals_.end() && it->first.station == number;) {
     const bool is_gone =
         !reported.count(it->first.track) &&
-        (it->second.recent.empty() || seconds(in.time - it->second.recent.back().time) > kFreshest);
+        (it->second.recent.empty() || seconds(in.time - it->second.recent.back().time) > kFreshestView);
     if (!is_gone) {
       if (!reported.count(it->first.track)) it->second.is_reported = false;
       ++it;
@@ -258,237 +228,6 @@ void PositionScene::forget(Time now) {
     const bool is_position = state && target.estimator->isPosition(*state);
     if (is_position && seconds(now - target.since) >= params_->confirm_after) target.is_confirmed = true;
   }
-}
-
-/// Supporters that contradict the target for long are taken out, and the target goes on without what they
-/// said.
-void PositionScene::checkSupporters(Time now) {
-  const double h = decided_ ? seconds(now - *decided_) : 0.0;
-  std::vector<std::pair<std::uint32_t, ViewKey>> wrong;
-  for (auto& [id, target] : targets_) {
-    const auto state = target.estimator->stateAt(std::max(now, target.estimator->time().value_or(now)));
-    if (!state || target.supporters.size() < 2) continue;
-    std::pair<double, ViewKey> worst{0.0, {}};
-    for (const ViewKey& key : target.supporters) {
-      const Local& local = locals_.at(key);
-      if (!local.is_reported || seconds(now - local.time) > kFreshest) continue;
-      const auto distance = distanceOf(viewAt(local, now), *state, false);
-      double& contradicted = target.contradicted[key];
-      const bool is_wrong = !distance || *distance > params_->contradiction;
-      contradicted = is_wrong ? contradicted + h : std::max(0.0, contradicted - h);
-      if (contradicted > std::max(worst.first, params_->contradiction_time)) worst = {contradicted, key};
-    }
-    if (worst.first > 0.0) wrong.emplace_back(id, worst.second);
-  }
-  for (const auto& [id, key] : wrong) {
-    release(id, key);
-    Target& target = targets_.at(id);
-    if (target.supporters.size() < 2) {  // of two nobody can tell which is wrong
-      dissolve(id);
-      continue;
-    }
-    target.contradicted.clear();
-    target.estimator = estimatorFrom(target.supporters);
-    if (!target.estimator->hasState()) target.lost = now;
-  }
-}
-
-/// Local tracks of further stations support targets that they agree with, better than with any other.
-void PositionScene::claim(Time now) {
-  std::map<std::pair<std::uint32_t, ViewKey>, int> claims;
-  for (std::size_t tracker = 0; tracker < trackers_.size(); ++tracker) {
-    const int station = static_cast<int>(tracker);
-    std::vector<LocalView> views;
-    for (auto it = locals_.lower_bound({station, 0}); it != locals_.end() && it->first.station == station;
-         ++it) {
-      const Local& local = it->second;
-      if (local.target == 0 && local.is_reported && seconds(now - local.time) <= kFreshest)
-        views.push_back(viewAt(local, now));
-    }
-    if (views.empty()) continue;
-    std::sort(views.begin(), views.end(), [](const LocalView& a, const LocalView& b) {
-      const double x = a.ray.direction.z(), y = b.ray.direction.z();
-      return x != y ? x < y : a.key < b.key;
-    });
-    double widest = 0.0;
-    for (const LocalView& view : views) widest = std::max(widest, std::sqrt(view.ray.covariance.trace()));
-    const Eigen::Vector3d origin = views.front().ray.origin;
-    std::vector<std::uint32_t> ids;
-    std::vector<GatedPair> pairs;
-    for (const auto& [id, target] : targets_) {
-      const bool has_one = std::any_of(target.supporters.begin(), target.supporters.end(),
-                                       [&](const ViewKey& key) { return key.station == station; });
-      if (has_one) continue;
-      const auto state = target.estimator->stateAt(std::max(now, target.estimator->time().value_or(now)));
-      if (!state || !target.estimator->isPosition(*state)) continue;
-      const Eigen::Vector3d to = state->mean.head<3>() - origin;
-      const double range = to.norm();
-      const double reach = std::sqrt(params_->claim_gate) *
-                           (widest + std::sqrt(state->covariance.topLeftCorner<3, 3>().trace()) / range);
-      const double z = to.z() / range;
-      auto view =
-          std::lower_bound(views.begin(), views.end(), z - reach,
-                           [](const LocalView& a, double height) { return a.ray.direction.z() < height; });
-      for (; view != views.end() && view->ray.direction.z() <= z + reach; ++view) {
-        const auto distance = distanceOf(*view, *state, true);
-        if (!distance || *distance > params_->claim_gate + kClaimMargin) continue;
-        if (ids.empty() || ids.back() != id) ids.push_back(id);
-        pairs.push_back(
-            {static_cast<int>(ids.size()) - 1, static_cast<int>(view - views.begin()), -*distance});
-      }
-    }
-    for (const std::vector<int>& group : clusters(pairs)) {
-      const Cluster cluster = clusterOf(pairs, group, std::vector<double>(ids.size(), 1.0));
-      Eigen::MatrixXd cost =
-          Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(cluster.tracks.size()),
-                                    static_cast<Eigen::Index>(cluster.takers.size()), kForbidden);
-      for (std::size_t t = 0; t < cluster.tracks.size(); ++t)
-        for (const Cluster::Choice& choice : cluster.choices[t])
-          cost(static_cast<Eigen::Index>(t), choice.sighting) =
-              -pairs[static_cast<std::size_t>(choice.pair)].log_ratio;
-      const std::vector<int> taken = assign(cost, params_->claim_gate);
-      for (std::size_t t = 0; t < taken.size(); ++t) {
-        if (taken[t] < 0) continue;
-        const auto row = static_cast<Eigen::Index>(t);
-        const double best = cost(row, taken[t]);
-        double second = kForbidden;  // of another target for the track, or of another track for the target
-        for (Eigen::Index j = 0; j < cost.cols(); ++j)
-          if (j != taken[t]) second = std::min(second, cost(row, j));
-        for (Eigen::Index i = 0; i < cost.rows(); ++i)
-          if (i != row) second = std::min(second, cost(i, taken[t]));
-        if (!(best <= params_->claim_gate) || second - best < kClaimMargin) continue;
-        const std::uint32_t id = ids[static_cast<std::size_t>(cluster.tracks[t])];
-        const auto pair = std::find_if(group.begin(), group.end(), [&](int p) {
-          const GatedPair& gated = pairs[static_cast<std::size_t>(p)];
-          return gated.track == cluster.tracks[t] && -gated.log_ratio == best;
-        });
-        const ViewKey key =
-            views[static_cast<std::size_t>(pairs[static_cast<std::size_t>(*pair)].sighting)].key;
-        const auto before = claims_.find({id, key});
-        const int turns = (before == claims_.end() ? 0 : before->second) + 1;
-        if (turns < params_->claim_decisions) {
-          claims[{id, key}] = turns;
-          continue;
-        }
-        targets_.at(id).supporters.insert(key);
-        locals_.at(key).target = id;
-      }
-    }
-  }
-  claims_ = std::move(claims);
-}
-
-/// An estimator that has taken the last measurements of all members, in order.
-std::shared_ptr<PositionEstimator> PositionScene::estimatorFrom(const std::set<ViewKey>& members) const {
-  std::vector<std::pair<ViewKey, const StationMeasurement*>> all;
-  for (const ViewKey& key : members)
-    for (const StationMeasurement& measurement : locals_.at(key).recent) all.emplace_back(key, &measurement);
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
-    if (a.second->time != b.second->time) return a.second->time < b.second->time;
-    return a.first == b.first ? a.second->station < b.second->station : a.first < b.first;
-  });
-  auto estimator = std::make_shared<PositionEstimator>(params_->estimator);
-  for (const auto& [key, measurement] : all) estimator->update(*measurement);
-  return estimator;
-}
-
-/// Free local tracks that cross as one target's do start a target, or bring one back that was a direction.
-void PositionScene::startTargets(Time now) {
-  std::vector<LocalView> views;
-  std::vector<LookingStation> stations;
-  for (const auto& [key, local] : locals_) {
-    const auto target = targets_.find(local.target);
-    const bool is_free = target == targets_.end() || target->second.lost.has_value();
-    if (is_free && local.is_reported && seconds(now - local.time) <= kFreshest)
-      views.push_back(viewAt(local, now));
-  }
-  for (std::size_t i = 0; i < trackers_.size(); ++i) {
-    if (seconds(now - trackers_[i].time) <= kFreshest)
-      stations.push_back({static_cast<int>(i), trackers_[i].origin, trackers_[i].view});
-  }
-  decision_ = hypotheses_.decide(now, std::move(views), stations);
-  for (const Candidate& candidate : decision_.targets) {
-    const std::set<ViewKey> members(candidate.members.begin(), candidate.members.end());
-    auto estimator = estimatorFrom(members);
-    if (!estimator->hasState()) continue;  // too few tracklets yet
-    std::uint32_t id = 0;
-    for (const ViewKey& key : members) {
-      const std::uint32_t had = locals_.at(key).target;
-      if (had && (id == 0 || had < id)) id = had;
-    }
-    for (const ViewKey& key : members) {
-      const std::uint32_t had = locals_.at(key).target;
-      if (had && had != id) release(had, key);
-    }
-    if (id == 0) {
-      if (static_cast<int>(targets_.size()) >= params_->max_targets) continue;
-      id = next_id_++;
-      targets_[id].since = now;
-    }
-    Target& target = targets_[id];
-    for (const ViewKey& key : std::set<ViewKey>(target.supporters))
-      if (!members.count(key)) release(id, key);
-    target.supporters = members;
-    target.contradicted.clear();
-    target.last_sighting = estimator->time().value_or(now);
-    target.lost.reset();
-    target.estimator = std::move(estimator);
-    for (const ViewKey& key : members) locals_.at(key).target = id;
-  }
-}
-
-/// Two targets of different stations at one place with one velocity are one: the older stays.
-void PositionScene::merge(Time now) {
-  struct At {
-    std::uint32_t id;
-    PositionState state;
-  };
-  std::vector<At> all;
-  for (const auto& [id, target] : targets_) {
-    const auto state = target.estimator->stateAt(std::max(now, target.estimator->time().value_or(now)));
-    if (state && target.estimator->isPosition(*state)) all.push_back({id, *state});
-  }
-  std::sort(all.begin(), all.end(), [](const At& a, const At& b) {
-    return a.state.mean(0) != b.state.mean(0) ? a.state.mean(0) < b.state.mean(0) : a.id < b.id;
-  });
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> meetings;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> same;
-  double widest = 0.0;
-  for (const At& at : all) widest = std::max(widest, at.state.covariance(0, 0));
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    for (std::size_t j = i + 1; j < all.size(); ++j) {
-      const Eigen::Matrix<double, 6, 1> apart = all[j].state.mean - all[i].state.mean;
-      if (apart(0) * apart(0) > params_->merge_gate * 2.0 * widest) break;
-      const Eigen::Matrix<double, 6, 6> S = all[i].state.covariance + all[j].state.covariance;
-      if (apart.dot(S.llt().solve(apart)) > params_->merge_gate) continue;
-      const auto pair = std::minmax(all[i].id, all[j].id);
-      std::set<int> stations;
-      std::size_t supporters = 0;
-      for (const std::uint32_t id : {pair.first, pair.second}) {
-        for (const ViewKey& key : targets_.at(id).supporters) {
-          stations.insert(key.station);
-          ++supporters;
-        }
-      }
-      if (stations.size() < supporters) continue;  // a station sees both
-      const auto before = meetings_.find(pair);
-      const int turns = (before == meetings_.end() ? 0 : before->second) + 1;
-      if (turns < params_->claim_decisions)
-        meetings[pair] = turns;
-      else
-        same.push_back(pair);
-    }
-  }
-  for (const auto& [older, younger] : same) {
-    if (!targets_.count(older) || !targets_.count(younger)) continue;
-    const std::set<ViewKey> supporters = targets_.at(younger).supporters;
-    dissolve(younger);
-    for (const ViewKey& key : supporters) {
-      targets_.at(older).supporters.insert(key);
-      locals_.at(key).target = older;
-    }
-  }
-  meetings_ = std::move(meetings);
 }
 
 PositionOutput PositionScene::output(Time time) const {

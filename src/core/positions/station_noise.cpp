@@ -39,7 +39,7 @@ StationNoise::StationNoise(const StationNoiseParams& params) : params_(params) {
 }
 
 void StationNoise::noteDirection(Time time, const Eigen::Vector3d& direction,
-                                 double stated_variance) {  // (P-8)
+                                 double stated_variance) {  // (P-13)
   if (!(stated_variance > 0.0)) return;
   if (direction_count_ > 0) {
     const double h = seconds(time - directions_[direction_count_ - 1].time);

@@ -23,6 +23,8 @@
 
 namespace sightline::core {
 
+constexpr double kFreshestView = 0.5;  ///< [s] beyond which a local track says nothing of now
+
 /// Where a station is, and how it is turned.
 struct StationPose {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [m], in the metric frame

@@ -38,7 +38,7 @@ class StationNoise {
   /// Throws std::invalid_argument for a parameter out of range.
   explicit StationNoise(const StationNoiseParams& params = {});
 
-  /// A direction to one target, in order of time, with its stated covariance [rad^2] (P-8). Only where the
+  /// A direction to one target, in order of time, with its stated covariance [rad^2] (P-13). Only where the
   /// stated sigma is that of the whole error, and not of tracklets.
   void noteDirection(Time time, const Eigen::Vector3d& direction, double stated_variance);
 

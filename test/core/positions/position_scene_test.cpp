@@ -1,0 +1,174 @@
+#include "sightline/core/positions/position_scene.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sightline/core/simulation/random_stream.h"
+
+namespace sightline::core {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+constexpr double kSigma = 5e-4;  // [rad]
+constexpr double kStep = 0.05;   // [s]
+
+const std::vector<Vector> kOrigins{{0, 0, 0}, {100, 0, 2}, {90, 110, 5}, {-30, 90, 1}};
+
+/// What one station says of a target, as track 1 unless told otherwise.
+struct Voice {
+  PositionScene& scene;
+  RandomStream random{7};
+
+  void say(int station, double time, const Vector& target, const Vector& velocity, std::uint32_t id = 1,
+           bool is_reported = true) {
+    const Vector& origin = kOrigins[static_cast<std::size_t>(station)];
+    const std::string name = "station_" + std::to_string(station);
+    const Eigen::Vector2d angles = anglesOf(target - origin) + kSigma * random.normalPair();
+    StationTracklet tracklet;
+    tracklet.tracker = name;
+    tracklet.track = id;
+    tracklet.tracklet.time = Time(durationOf(time));
+    tracklet.tracklet.sensor = "camera of " + name;
+    tracklet.tracklet.sighting = sightingOf(angles, kSigma * kSigma * Eigen::Matrix2d::Identity());
+    tracklet.pose.origin = origin;
+    scene.take(tracklet);
+    StationTracks tracks;
+    tracks.tracker = name;
+    tracks.time = tracklet.tracklet.time;
+    tracks.pose.origin = origin;
+    if (is_reported) {
+      Track track;
+      track.id = id;
+      track.status = TrackStatus::confirmed;
+      track.state.mean << anglesOf(target - origin),
+          anglesJacobian((target - origin).normalized()) * velocity / (target - origin).norm();
+      track.state.covariance.diagonal() << 1e-7, 1e-7, 1e-5, 1e-5;
+      track.last_sighting = tracks.time;
+      tracks.tracks = {track};
+    }
+    scene.take(tracks);
+  }
+};
+
+Vector along(double t) {
+  return Vector(40, 50, 20) + t * Vector(2, 1, 0);
+}
+
+const Vector kVelocity(2, 1, 0);
+
+std::vector<PositionTrack> tracksAt(const PositionScene& scene, double time) {
+  return scene.output(Time(durationOf(time))).tracks.tracks;
+}
+
+TEST(PositionScene, AFurtherStationSupportsTheTargetThatItAgreesWith) {
+  PositionScene scene{PositionSceneParams{}};
+  Voice voice{scene};
+  for (int i = 1; i < 80; ++i)
+    for (int station = 0; station < (i < 40 ? 2 : 3); ++station)
+      voice.say(station, i * kStep, along(i * kStep), kVelocity);
+  const auto tracks = tracksAt(scene, 79 * kStep);
+  ASSERT_EQ(tracks.size(), 1u);
+  EXPECT_EQ(tracks[0].sources, (std::vector<std::string>{"station_0/1", "station_1/1", "station_2/1"}));
+  EXPECT_EQ(tracks[0].id, 1u);
+}
+
+// Two pairs of stations find the same target at once: four stations, of which each pair comes up for itself.
+TEST(PositionScene, TwoTargetsThatAreOneAreMergedIntoTheOlder) {
+  PositionScene scene{PositionSceneParams{}};
+  Voice voice{scene};
+  for (int i = 1; i < 120; ++i) {
+    const double t = i * kStep;
+    // Until 2 s stations 2 and 3 see another target, then their local track goes over to the first.
+    const Vector other = along(t) + Vector(0, 0, i < 40 ? 15.0 : std::max(0.0, 15.0 - 0.5 * (i - 40)));
+    const Vector other_velocity = kVelocity + Vector(0, 0, i < 40 || i > 70 ? 0.0 : -10.0);
+    voice.say(0, t, along(t), kVelocity);
+    voice.say(1, t, along(t), kVelocity);
+    voice.say(2, t, other, other_velocity);
+    voice.say(3, t, other, other_velocity);
+    if (i == 39) {
+      EXPECT_EQ(tracksAt(scene, t).size(), 2u);
+    }
+  }
+  const auto tracks = tracksAt(scene, 119 * kStep);
+  ASSERT_EQ(tracks.size(), 1u);
+  EXPECT_EQ(tracks[0].id, 1u);
+  EXPECT_EQ(tracks[0].sources.size(), 4u);
+}
+
+TEST(PositionScene, ASupporterThatContradictsTheOthersIsTakenOut) {
+  PositionScene scene{PositionSceneParams{}};
+  Voice voice{scene};
+  for (int i = 1; i < 120; ++i) {
+    const double t = i * kStep;
+    for (int station = 0; station < 3; ++station) voice.say(station, t, along(t), kVelocity);
+    const Vector off =
+        i < 40 ? Vector::Zero() : Vector(0, 0, 0.2 * (i - 40));  // its local track follows another one
+    voice.say(3, t, along(t) + off, kVelocity + (i < 40 ? Vector::Zero() : Vector(0, 0, 4.0)));
+    if (i == 39) {
+      EXPECT_EQ(tracksAt(scene, t).at(0).sources.size(), 4u);
+    }
+  }
+  const auto tracks = tracksAt(scene, 119 * kStep);
+  ASSERT_EQ(tracks.size(), 1u);
+  EXPECT_EQ(tracks[0].sources, (std::vector<std::string>{"station_0/1", "station_1/1", "station_2/1"}));
+  EXPECT_LT((tracks[0].position - along(119 * kStep)).norm(), 0.3);
+}
+
+TEST(PositionScene, TargetsThatNobodySeesCoastAndAreDeletedAndTheirIdsAreNotUsedAgain) {
+  PositionScene scene{PositionSceneParams{}};
+  Voice voice{scene};
+  for (int i = 1; i < 60; ++i)
+    for (int station = 0; station < 2; ++station) voice.say(station, i * kStep, along(i * kStep), kVelocity);
+  ASSERT_EQ(tracksAt(scene, 3.0).size(), 1u);
+  ASSERT_EQ(tracksAt(scene, 3.6).size(), 1u);
+  EXPECT_EQ(tracksAt(scene, 3.6)[0].status, TrackStatus::coasting);
+  for (int i = 160; i < 220; ++i)
+    for (int station = 0; station < 2; ++station) voice.say(station, i * kStep, along(0), Vector::Zero(), 2);
+  const auto tracks = tracksAt(scene, 219 * kStep);
+  ASSERT_EQ(tracks.size(), 1u);
+  EXPECT_EQ(tracks[0].id, 2u);
+}
+
+TEST(PositionScene, SaysWhyALocalTrackHasNoPosition) {
+  PositionScene scene{PositionSceneParams{}};
+  Voice voice{scene};
+  for (int i = 1; i < 40; ++i) voice.say(0, i * kStep, along(i * kStep), kVelocity);
+  const PositionReport report = scene.output(Time(durationOf(2.0))).report;
+  ASSERT_EQ(report.unlocated.size(), 1u);
+  EXPECT_EQ(report.unlocated[0].source, "station_0/1");
+  EXPECT_EQ(report.unlocated[0].reason.kind, "one station only");
+  ASSERT_EQ(report.stations.size(), 1u);
+  EXPECT_EQ(report.stations[0].sensor, "camera of station_0");
+}
+
+TEST(PositionScene, ACopyIsASnapshot) {
+  PositionScene scene{PositionSceneParams{}};
+  Voice voice{scene};
+  for (int i = 1; i < 40; ++i)
+    for (int station = 0; station < 2; ++station) voice.say(station, i * kStep, along(i * kStep), kVelocity);
+  const PositionScene copy = scene;
+  const Vector before = tracksAt(copy, 2.0).at(0).position;
+  for (int i = 40; i < 60; ++i)
+    for (int station = 0; station < 2; ++station) voice.say(station, i * kStep, along(i * kStep), kVelocity);
+  EXPECT_EQ(tracksAt(copy, 2.0).at(0).position, before);
+}
+
+TEST(PositionScene, LocalTracksAndTargetsAreBounded) {
+  PositionSceneParams params;
+  params.max_local_tracks = 1;
+  PositionScene scene(params);
+  Voice voice{scene};
+  for (int i = 1; i < 40; ++i)
+    for (int station = 0; station < 2; ++station) voice.say(station, i * kStep, along(i * kStep), kVelocity);
+  EXPECT_TRUE(tracksAt(scene, 2.0).empty());
+  params.max_local_tracks = 0;
+  EXPECT_THROW(PositionScene{params}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sightline::core
