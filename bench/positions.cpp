@@ -24,6 +24,7 @@
 
 #include "sightline/core/positions/position_estimator.h"
 #include "sightline/core/positions/rays.h"
+#include "sightline/core/positions/station_alignment.h"
 #include "sightline/core/positions/station_noise.h"
 
 #include "position_recordings.h"
@@ -94,6 +95,38 @@ class Follower {
   std::vector<core::StationNoise> noise_;
   std::vector<std::optional<Time>> last_;
 };
+
+/// Rays of all stations at an instant, with rates from straight lines over 0.3 s, slow errors in the
+/// covariance.
+std::vector<std::pair<int, core::Ray>> movingRaysAt(const Recording& recording,
+                                                    const std::vector<std::vector<Seen>>& by_station,
+                                                    double time, double slow_scale) {
+  std::vector<std::pair<int, core::Ray>> rays;
+  for (std::size_t station = 0; station < by_station.size(); ++station) {
+    double n = 0.0, s1 = 0.0, s2 = 0.0, variance = 0.0;
+    Vector y0 = Vector::Zero(), y1 = Vector::Zero();
+    for (const Seen& seen : by_station[station]) {
+      const double t = secondsOf(seen.time) - time;
+      if (std::abs(t) > 0.15) continue;
+      n += 1.0;
+      s1 += t;
+      s2 += t * t;
+      y0 += seen.direction;
+      y1 += t * seen.direction;
+      variance = seen.variance;
+    }
+    const double D = n * s2 - s1 * s1;
+    if (n < 4.0 || std::abs(s1 / n) > 0.03) continue;
+    core::Ray ray;
+    ray.origin = recording.origins[station];
+    ray.direction = ((s2 * y0 - s1 * y1) / D).normalized();
+    ray.covariance = slow_scale * slow_scale * variance * across(ray.direction);
+    ray.motion = core::RayMotion{across(ray.direction) * ((n * y1 - s1 * y0) / D),
+                                 variance * n / D * across(ray.direction), Vector::Zero()};
+    rays.emplace_back(static_cast<int>(station), ray);
+  }
+  return rays;
+}
 
 /// Rays of all stations at an instant, interpolated between neighbours.
 std::vector<core::Ray> raysAt(const Recording& recording, const std::vector<std::vector<Seen>>& by_station,
@@ -224,6 +257,29 @@ void fireball(const std::string& folder) {
   for (std::size_t i = 0; i < recording.names.size(); ++i) {
     std::printf("%s: white noise %.2f, slow error %.2f of the stated sigma\n", recording.names[i].c_str(),
                 std::sqrt(follower.noiseOf(i).whiteScale()), follower.noiseOf(i).slowScale());
+  }
+
+  // Clocks (P-14): ten instants a second, of which a slow error of 3 s makes one in sixty independent.
+  std::vector<std::vector<Seen>> by_station(recording.names.size());
+  for (const Seen& seen : recording.sightings)
+    by_station[static_cast<std::size_t>(seen.station)].push_back(seen);
+  core::StationAlignmentParams alignment_params;
+  alignment_params.orientation_sigma = 1e-3;
+  core::StationAlignment alignment(alignment_params);
+  const double first = secondsOf(recording.sightings.front().time),
+               last = secondsOf(recording.sightings.back().time);
+  for (double t = first; t <= last; t += 0.1) {
+    const auto rays = movingRaysAt(recording, by_station, t, 1.3);
+    for (std::size_t a = 0; a < rays.size(); ++a)
+      for (std::size_t b = a + 1; b < rays.size(); ++b)
+        alignment.take(rays[a].first, rays[a].second, rays[b].first, rays[b].second,
+                       2.0 / static_cast<double>(rays.size()) / 60.0);
+  }
+  for (int station = 1; station < static_cast<int>(recording.names.size()); ++station) {
+    if (const auto clock = alignment.clockDifference(0, station))
+      std::printf("clock of %s against %s: %.4f +- %.4f s\n",
+                  recording.names[static_cast<std::size_t>(station)].c_str(), recording.names[0].c_str(),
+                  clock->difference, clock->sigma);
   }
 }
 

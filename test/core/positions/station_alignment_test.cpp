@@ -1,0 +1,141 @@
+#include "sightline/core/positions/station_alignment.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sightline/core/simulation/random_stream.h"
+
+namespace sightline::core {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+constexpr double kSigma = 5e-4;      // [rad]
+constexpr double kRateSigma = 2e-3;  // [rad/s]
+const std::vector<Vector> kOrigins{{0, 0, 0}, {100, 0, 2}, {90, 110, 5}, {-30, 90, 1}};
+
+struct Fault {
+  double clock = 0.0;  // stamps later than they should be [s]
+  Vector turned = Vector::Zero();
+};
+
+/// Three targets that fly in circles, one sample a second of each.
+StationAlignment aligned(const std::vector<Fault>& faults, double duration, std::uint64_t seed,
+                         const StationAlignmentParams& params = {}) {
+  RandomStream random(seed);
+  StationAlignment alignment(params);
+  for (double t = 0.0; t < duration; t += 1.0) {
+    for (int target = 0; target < 3; ++target) {
+      std::vector<Ray> rays;
+      for (std::size_t s = 0; s < faults.size(); ++s) {
+        const double phase = 0.5 * (t - faults[s].clock) + 2.0 * target;
+        const Vector x(45 + 20 * std::cos(phase), 50 + 20 * std::sin(phase),
+                       15 + 8 * target + 5 * std::sin(0.7 * phase));
+        const Vector velocity(-10 * std::sin(phase), 10 * std::cos(phase), 1.75 * std::cos(0.7 * phase));
+        const Vector to = x - kOrigins[s],
+                     u = (to.normalized() + faults[s].turned.cross(to.normalized())).normalized();
+        const auto B = acrossBasis(u);
+        const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - u * u.transpose();
+        Ray ray;
+        ray.origin = kOrigins[s];
+        ray.direction = (u + B.transpose() * kSigma * random.normalPair()).normalized();
+        ray.covariance = kSigma * kSigma * across;
+        ray.motion =
+            RayMotion{across * velocity / to.norm() + B.transpose() * kRateSigma * random.normalPair(),
+                      kRateSigma * kRateSigma * across, Vector::Zero()};
+        rays.push_back(ray);
+      }
+      // Pairs of n rays share errors: each counts for 2/n of a sample of its own.
+      for (std::size_t a = 0; a < rays.size(); ++a)
+        for (std::size_t b = a + 1; b < rays.size(); ++b)
+          alignment.take(static_cast<int>(a), rays[a], static_cast<int>(b), rays[b],
+                         2.0 / static_cast<double>(rays.size()));
+    }
+  }
+  return alignment;
+}
+
+TEST(StationAlignment, FindsAClockAndAnOrientationAtOnceWithAnHonestStandardDeviation) {
+  int honest = 0, total = 0;
+  for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+    std::vector<Fault> faults(4);
+    faults[2] = {0.05, {0.002, -0.003, 0.003}};
+    const StationAlignment alignment = aligned(faults, 20.0, seed);
+    const auto clock = alignment.clockDifference(0, 2);
+    ASSERT_TRUE(clock);
+    EXPECT_LT(clock->sigma, 0.01);
+    ++total;
+    if (std::abs(clock->difference - 0.05) < 3.0 * clock->sigma) ++honest;
+    const auto estimate = alignment.of(2);
+    ASSERT_TRUE(estimate);
+    for (int axis = 0; axis < 3; ++axis) {
+      ++total;
+      if (std::abs(estimate->orientation(axis) - faults[2].turned(axis)) <
+          3.0 * estimate->orientation_sigma(axis))
+        ++honest;
+    }
+  }
+  EXPECT_GE(honest, total * 95 / 100);
+}
+
+TEST(StationAlignment, StationsThatAreRightAreFoundRight) {
+  const StationAlignment alignment = aligned(std::vector<Fault>(4), 30.0, 3);
+  for (int station = 0; station < 4; ++station) {
+    const auto estimate = alignment.of(station);
+    ASSERT_TRUE(estimate);
+    EXPECT_LT(std::abs(estimate->clock), 4.0 * estimate->clock_sigma) << station;
+    EXPECT_LT(estimate->clock_sigma, 0.01);
+  }
+}
+
+TEST(StationAlignment, WhatAnglesCannotTellStaysAtItsPrior) {
+  // A common rotation of all stations about the vertical: angles among themselves are the same but for the
+  // baselines.
+  StationAlignmentParams params;
+  const StationAlignment alignment = aligned(std::vector<Fault>(2), 30.0, 4, params);
+  const auto estimate = alignment.of(0);
+  ASSERT_TRUE(estimate);
+  // Two stations: one equation a pair for six angles; the turn about the baseline is common.
+  EXPECT_GT(estimate->orientation_sigma.x(), 0.5 * params.orientation_sigma);
+}
+
+TEST(StationAlignment, TargetsAtRestTellNoClock) {
+  StationAlignmentParams params;
+  StationAlignment alignment(params);
+  for (int i = 0; i < 100; ++i) {
+    std::vector<Ray> rays;
+    for (int s = 0; s < 2; ++s) {
+      Ray ray;
+      ray.origin = kOrigins[static_cast<std::size_t>(s)];
+      ray.direction = (Vector(40, 50, 20) - ray.origin).normalized();
+      const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray.direction * ray.direction.transpose();
+      ray.covariance = kSigma * kSigma * across;
+      ray.motion = RayMotion{Vector::Zero(), kRateSigma * kRateSigma * across, Vector::Zero()};
+      rays.push_back(ray);
+    }
+    alignment.take(0, rays[0], 1, rays[1], 1.0);
+  }
+  EXPECT_NEAR(alignment.clockDifference(0, 1)->sigma, std::sqrt(2.0) * params.clock_sigma, 1e-6);
+}
+
+TEST(StationAlignment, ForgetsWhatIsLongAgo) {
+  StationAlignment alignment = aligned(std::vector<Fault>(3), 20.0, 5);
+  const double before = alignment.clockDifference(0, 1)->sigma;
+  alignment.forget(1200.0);
+  EXPECT_GT(alignment.clockDifference(0, 1)->sigma, 1.5 * before);
+}
+
+TEST(StationAlignment, UnknownStationsAndBadParametersAreRefused) {
+  const StationAlignment alignment;
+  EXPECT_FALSE(alignment.of(0));
+  EXPECT_FALSE(alignment.clockDifference(0, 1));
+  StationAlignmentParams params;
+  params.memory = 0.0;
+  EXPECT_THROW(StationAlignment{params}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sightline::core
