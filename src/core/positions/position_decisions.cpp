@@ -276,4 +276,26 @@ void PositionScene::merge(Time now) {
   meetings_ = std::move(meetings);
 }
 
+/// Clocks and orientations from what the supporters of each target say (P-14).
+void PositionScene::learnAlignment(Time now) {
+  const double h = decided_ ? std::max(seconds(now - *decided_), 0.0) : 0.0;
+  alignment_.forget(h);
+  for (const auto& [id, target] : targets_) {
+    if (!target.is_confirmed || target.lost) continue;
+    std::vector<LocalView> views;
+    for (const ViewKey& key : target.supporters) {
+      const Local& local = locals_.at(key);
+      if (local.is_reported && seconds(now - local.time) <= kFreshestView)
+        views.push_back(viewAt(local, now));
+    }
+    if (views.size() < 2) continue;
+    // Slow errors make what is said within two time constants the same; pairs of n rays share errors.
+    const double share =
+        std::min(1.0, h / (2.0 * params_->noise.time_constant)) * 2.0 / static_cast<double>(views.size());
+    for (std::size_t a = 0; a < views.size(); ++a)
+      for (std::size_t b = a + 1; b < views.size(); ++b)
+        alignment_.take(views[a].key.station, views[a].ray, views[b].key.station, views[b].ray, share);
+  }
+}
+
 }  // namespace sightline::core

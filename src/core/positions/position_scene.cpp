@@ -37,7 +37,9 @@ PositionSceneParams checked(const PositionSceneParams& params) {
 }  // namespace
 
 PositionScene::PositionScene(const PositionSceneParams& params)
-    : params_(std::make_shared<const PositionSceneParams>(checked(params))), hypotheses_(params.hypotheses) {
+    : params_(std::make_shared<const PositionSceneParams>(checked(params))),
+      hypotheses_(params.hypotheses),
+      alignment_(params.alignment) {
   PositionEstimator{params.estimator};  // both throw for a parameter out of range
   StationNoise{params.noise};
 }
@@ -209,6 +211,7 @@ void PositionScene::decide(Time now) {
   claim(now);
   startTargets(now);
   merge(now);
+  learnAlignment(now);
   decided_ = now;
 }
 
@@ -291,7 +294,8 @@ PositionOutput PositionScene::output(Time time) const {
             [](const UnlocatedTrack& a, const UnlocatedTrack& b) { return a.source < b.source; });
   for (const Sensor& sensor : sensors_) {
     out.report.stations.push_back({trackers_[static_cast<std::size_t>(sensor.tracker)].name, sensor.name,
-                                   sensor.noise.slowScale(), sensor.noise.timeConstant()});
+                                   sensor.noise.slowScale(), sensor.noise.timeConstant(),
+                                   alignment_.of(sensor.tracker)});
   }
   std::sort(out.report.stations.begin(), out.report.stations.end(), [](const auto& a, const auto& b) {
     return std::tie(a.tracker, a.sensor) < std::tie(b.tracker, b.sensor);

@@ -239,6 +239,35 @@ TEST(PositionTracker, AParallelPairInThePlaneOfTheBaselineGivesNoWrongPositionFr
   }
 }
 
+TEST(PositionTracker, AStationWhoseClockIsLateIsFoundAndSaid) {
+  const std::vector<Path> paths{circle({45, 55, 25}, 20, 0.6, 0.0), circle({40, 50, 15}, 18, 0.5, 2.0),
+                                circle({50, 45, 35}, 15, 0.7, 4.0)};
+  SimulatedField field(test::fieldStations(3), paths, 8);
+  PositionTracker tracker;
+  const Duration late = durationOf(0.05);
+  double next = 1.0;
+  std::optional<PositionOutput> output;
+  for (FieldMessage message = field.next(); message.time < 20.0; message = field.next()) {
+    if (message.tracks.tracker == "station_2") {
+      message.tracks.time += late;
+      for (StationTracklet& tracklet : message.tracklets) tracklet.tracklet.time += late;
+    }
+    feed(tracker, message);
+    if (message.time < next) continue;
+    next += 0.2;
+    output = tracker.report();
+  }
+  ASSERT_EQ(output->report.stations.size(), 3u);
+  const auto& late_one = output->report.stations[1].alignment;
+  const auto& other = output->report.stations[0].alignment;
+  ASSERT_TRUE(late_one && other);
+  EXPECT_EQ(output->report.stations[1].tracker, "station_2");
+  const double difference = late_one->clock - other->clock;
+  EXPECT_NEAR(difference, 0.05, 3.0 * std::hypot(late_one->clock_sigma, other->clock_sigma));
+  EXPECT_LT(late_one->clock_sigma, 0.02);
+  EXPECT_GT(difference, 0.025);
+}
+
 TEST(PositionTracker, LateDoubleAndBadInputIsRefusedWithItsReason) {
   SimulatedField field(test::fieldStations(2), {circle({45, 55, 25}, 15, 0.4, 0.0)}, 7);
   PositionTracker tracker;

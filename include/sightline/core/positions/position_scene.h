@@ -19,6 +19,7 @@
 #include "sightline/core/positions/position_estimator.h"
 #include "sightline/core/positions/position_hypotheses.h"
 #include "sightline/core/positions/position_track.h"
+#include "sightline/core/positions/station_alignment.h"
 #include "sightline/core/positions/station_noise.h"
 
 namespace sightline::core {
@@ -54,6 +55,7 @@ struct PositionSceneParams {
   PositionEstimatorParams estimator;
   HypothesisParams hypotheses;
   StationNoiseParams noise;
+  StationAlignmentParams alignment;
   double decision_interval = 0.1;  ///< between decisions on which local tracks are one target [s], > 0
   double claim_gate = 18.5;     ///< chi-square of 4 with which a further local track supports a target, > 0
   int claim_decisions = 3;      ///< in turn, before it does, >= 1
@@ -125,6 +127,7 @@ class PositionScene {
   void claim(Time now);
   void startTargets(Time now);
   void merge(Time now);
+  void learnAlignment(Time now);
   std::shared_ptr<PositionEstimator> estimatorFrom(const std::set<ViewKey>& members) const;
 
   std::shared_ptr<const PositionSceneParams> params_;
@@ -133,6 +136,7 @@ class PositionScene {
   std::map<ViewKey, Local> locals_;
   std::map<std::uint32_t, Target> targets_;
   PositionHypotheses hypotheses_;
+  StationAlignment alignment_;                               // by number of the tracker
   std::map<std::pair<std::uint32_t, ViewKey>, int> claims_;  // decisions in turn
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> meetings_;
   std::uint32_t next_id_ = 1;

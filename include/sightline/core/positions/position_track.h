@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/track.h"
+#include "sightline/core/positions/station_alignment.h"
 
 /// What the position tracker reports. Metric frame, m and s.
 namespace sightline::core {
@@ -52,6 +54,8 @@ struct StationReport {
   std::string tracker, sensor;
   double slow_scale = 1.0;     ///< sigma of its slow error over what is stated and not white noise [1]
   double time_constant = 3.0;  ///< of it [s]
+  std::optional<StationAlignmentEstimate>
+      alignment;  ///< of its station, when targets have told something of it
 };
 
 struct PositionReport {
