@@ -1,51 +1,17 @@
 #include "sightline/ros/nodes/track_fusion_node.h"
 
-#include <set>
-
 #include <ros/console.h>
-#include <ros/names.h>
 #include <sightline/FusionReport.h>
 
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/nodes/this_node.h"
+#include "sightline/ros/nodes/track_topics.h"
 
 namespace sightline_ros {
 namespace {
 
 constexpr std::uint32_t kQueue = 1000;  // messages a topic
-
-std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHandle& nh) {
-  std::set<std::string> seen;
-  std::vector<std::string> topics;
-  for (const std::string& topic : reader.requiredTexts("track_topics")) {
-    topics.push_back(nh.resolveName(topic));
-    if (!seen.insert(topics.back()).second) {
-      throw reader.error("track_topics", "expected different topics, got " + topics.back() + " twice");
-    }
-  }
-  if (topics.size() < 2) {
-    throw reader.error("track_topics", "expected two topics of sightline/TrackArray or more, got one");
-  }
-  return topics;
-}
-
-/// Those that are set, or else `tracklets` beside each topic of tracks.
-std::vector<std::string> trackletTopicsFrom(const ParamReader& reader, const ros::NodeHandle& nh,
-                                            const std::vector<std::string>& track_topics) {
-  std::set<std::string> topics;
-  for (const std::string& topic : reader.texts("tracklet_topics", {})) {
-    if (!topics.insert(nh.resolveName(topic)).second) {
-      throw reader.error("tracklet_topics",
-                         "expected different topics, got " + nh.resolveName(topic) + " twice");
-    }
-  }
-  if (topics.empty()) {
-    for (const std::string& topic : track_topics)
-      topics.insert(ros::names::append(ros::names::parentNamespace(topic), "tracklets"));
-  }
-  return {topics.begin(), topics.end()};
-}
 
 }  // namespace
 
@@ -57,7 +23,7 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
     : nh_(nh),
       guard_(nameOfNode(pnh)),
       component_(reader, nameOfNode(pnh)),
-      topics_(topicsFrom(reader, nh)),
+      topics_(trackTopicsFrom(reader, nh)),
       tracklet_topics_(trackletTopicsFrom(reader, nh, topics_)),
       health_(topics_, TrackFusionHealth::silenceFrom(reader)) {
   reader.finish();
