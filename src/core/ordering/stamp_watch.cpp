@@ -9,9 +9,9 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kLeastJump = 0.25;       // that is no jitter [s]
-constexpr double kIntervals = 3.0;        // of a sensor's usual ones that make a silence, or a leap
-constexpr double kIntervalMemory = 0.95;  // of the usual largest interval, at each scan
+constexpr double kLeastJump = 0.25;        // that is no jitter [s]
+constexpr double kIntervals = 3.0;         // of a sensor's usual ones that make a silence, or a leap
+constexpr double kIntervalMemory = 0.95;   // of the usual largest interval, at each scan
 constexpr std::size_t kMostSensors = 256;  // that are watched; of more, the longest silent are forgotten
 
 std::string secondsText(double seconds) {

@@ -13,9 +13,9 @@ namespace sightline::core {
 /// Sensors that one track remembers to have seen its target, at most.
 constexpr std::size_t kMostSources = 64;
 
-/// How far a track corroborates a sensor's sightings at `time`. `sources`: the sensors that have seen its target,
-/// at most `kMostSources`; a Source has `sensor`, `last_sighting` and `innovation` (mean of the last ones [rad]).
-/// `may_corroborate`: whether the track's innovations tell of its sensors yet.
+/// How far a track corroborates a sensor's sightings at `time`. `sources`: the sensors that have seen its
+/// target, at most `kMostSources`; a Source has `sensor`, `last_sighting` and `innovation` (mean of the last
+/// ones [rad]). `may_corroborate`: whether the track's innovations tell of its sensors yet.
 template <typename Source>
 Corroboration corroborationBy(const std::vector<Source>& sources, const std::string& sensor, Time time,
                               const SensorGuard& guard, bool may_corroborate = true) {

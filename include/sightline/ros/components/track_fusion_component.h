@@ -62,8 +62,8 @@ class TrackFusionComponent {
     return fusion_.state().failedTracklets();
   }
 
-  /// Simulated time is `now`. When it has gone back by more than tracklets may be late (a recording in a loop),
-  /// forgets everything but the ids and returns by how much [s]; nullopt else, as such a step is none.
+  /// Simulated time is `now`. When it has gone back by more than tracklets may be late (a recording in a
+  /// loop), forgets everything but the ids and returns by how much [s]; nullopt else, as such a step is none.
   std::optional<double> onSimulatedTime(sightline::core::Time now);
 
   double maxLag() const { return params_.tracklets.max_lag; }  ///< lateness of tracklets that are used [s]
