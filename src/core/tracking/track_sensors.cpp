@@ -1,15 +1,15 @@
 #include "sightline/core/tracking/track_sensors.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
+#include "sightline/core/sensors/corroboration.h"
+
 namespace sightline::core {
 namespace {
 
-constexpr std::size_t kMostSources = 64;
 constexpr double kSourceMemory = 0.3;       // share of the newest innovation of a sensor in the running mean
 constexpr double kInformationMemory = 1.0;  // over which a sensor's share in a track is weighed [s]
 constexpr double kFirstVisibility = 0.5;    // that a sensor could see the target, before it has or has not
@@ -96,21 +96,7 @@ double TrackSensors::visibility(const std::string& sensor) const {
 
 Corroboration TrackSensors::corroborationOf(const std::string& sensor, Time time, const SensorGuard& guard,
                                             bool is_mature) const {
-  Corroboration corroboration;
-  std::array<std::array<double, kMostSources>, 2> innovations;
-  for (const Source& source : sources_) {
-    const double silence = seconds(time - source.last_sighting);
-    if (source.sensor == sensor) {
-      corroboration.has_sensor = guard.sees(silence);
-    } else if (is_mature && guard.mayCorroborate(source.sensor, silence)) {
-      for (int channel = 0; channel < 2; ++channel)
-        innovations[channel][corroboration.others] = source.innovation(channel);
-      ++corroboration.others;
-    }
-  }
-  for (int channel = 0; channel < 2; ++channel)
-    corroboration.shared(channel) = signedMedian(innovations[channel].data(), corroboration.others);
-  return corroboration;
+  return corroborationBy(sources_, sensor, time, guard, is_mature);
 }
 
 // (S-42)

@@ -1,6 +1,7 @@
 #include "sightline/ros/messages/position_messages.h"
 
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include <Eigen/Core>
@@ -59,6 +60,13 @@ sightline::StationError toMessage(const core::StationReport& station) {
   message.clock_behind = message.clock_sigma = kNotKnown;
   message.rotation.fill(kNotKnown);
   message.rotation_sigma.fill(kNotKnown);
+  if (!station.alignment) return message;
+  message.clock_behind = -station.alignment->clock;
+  message.clock_sigma = station.alignment->clock_sigma;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    message.rotation[axis] = station.alignment->orientation(static_cast<Eigen::Index>(axis));
+    message.rotation_sigma[axis] = station.alignment->orientation_sigma(static_cast<Eigen::Index>(axis));
+  }
   return message;
 }
 

@@ -37,7 +37,9 @@ core::PositionOutput output() {
   it.report.time = at(9.75);
   it.report.refused.push_back({{"a/1", "b/3"}, {5.0, 6.0, 7.0}, 1.5, -2.5, {"ghost", "of others"}});
   it.report.unlocated.push_back({"c/9", {"one station only", "no partner"}});
-  it.report.stations.push_back({"a", "eye", 1.25, 2.5});
+  it.report.stations.push_back({"a", "eye", 1.25, 2.5, std::nullopt});
+  it.report.stations.push_back(
+      {"b", "ear", 1.0, 3.0, {{0.04, 0.002, {1e-3, 2e-3, 3e-3}, {1e-4, 2e-4, 3e-4}}}});
   it.report.is_complete = false;
   return it;
 }
@@ -84,13 +86,17 @@ TEST(PositionMessages, ReportSaysWhoSupportsWhatAndWhatWasRefusedAndWhy) {
   ASSERT_EQ(report.unlocated.size(), 1u);
   EXPECT_EQ(report.unlocated[0].source, "c/9");
   EXPECT_EQ(report.unlocated[0].kind, "one station only");
-  ASSERT_EQ(report.stations.size(), 1u);
+  ASSERT_EQ(report.stations.size(), 2u);
   EXPECT_EQ(report.stations[0].tracker, "a");
   EXPECT_EQ(report.stations[0].sensor, "eye");
   EXPECT_EQ(report.stations[0].slow_scale, 1.25);
   EXPECT_EQ(report.stations[0].time_constant, 2.5);
   EXPECT_TRUE(std::isnan(report.stations[0].clock_behind));
   EXPECT_TRUE(std::isnan(report.stations[0].rotation_sigma[2]));
+  EXPECT_EQ(report.stations[1].clock_behind, -0.04) << "later stamps are of a clock that is ahead";
+  EXPECT_EQ(report.stations[1].clock_sigma, 0.002);
+  EXPECT_EQ(report.stations[1].rotation[1], 2e-3);
+  EXPECT_EQ(report.stations[1].rotation_sigma[2], 3e-4);
 }
 
 TEST(PositionMessages, PosesAreThoseOfConfirmedTracksAndLookAlongTheVelocity) {
