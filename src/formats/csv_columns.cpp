@@ -103,13 +103,8 @@ Assignment assignmentOf(const std::string& text) {
   };
   take(assignment.convention, isConvention);
   take(assignment.unit, isUnit);
-  if (parts.size() > 1) {
-    throw badColumns(
-        text, "\"" + parts.back() + "\" is no unit or convention of " + assignment.what +
-                  "; times: s, ms, us, ns, iso, jd; angles: deg, rad, mrad, arcmin, arcsec; azimuth: compass "
-                  "(clockwise from north) or math (counter-clockwise from x or east); sigma_azimuth: arc");
-  }
   assignment.column = parts.front();
+  for (std::size_t i = 1; i < parts.size(); ++i) assignment.column += ":" + parts[i];
   return assignment;
 }
 
@@ -160,8 +155,16 @@ std::size_t placeOf(const TextFile& file, std::size_t line, const CsvLayout& lay
     if (number && *number >= 1.0 && *number <= static_cast<double>(layout.names.size()))
       return static_cast<std::size_t>(*number) - 1;
   }
-  throw file.error(line,
-                   "--columns: there is no column \"" + column + "\"; there are " + listed(layout.names));
+  std::string complaint =
+      "--columns: there is no column \"" + column + "\"; there are " + listed(layout.names);
+  if (column.find(':') != std::string::npos) {
+    complaint += "; if \"" + column.substr(column.rfind(':') + 1) +
+                 "\" is meant as a unit or convention: times have s, ms, us, ns, iso, jd; angles deg, rad, "
+                 "mrad, arcmin, arcsec; "
+                 "azimuths compass (clockwise from north) or math (counter-clockwise from x or east); "
+                 "sigma_azimuth arc";
+  }
+  throw file.error(line, complaint);
 }
 
 void checkAngles(const TextFile& file, std::size_t line, const CsvLayout& layout) {

@@ -34,9 +34,13 @@ RecordingBuilder::RecordingBuilder(std::string format, const TextFile& file, con
   recording_.format = std::move(format);
 }
 
-std::string RecordingBuilder::sensorOr(const std::string& name, std::size_t line) const {
+std::string RecordingBuilder::sensorOr(const std::string& name, std::size_t line) {
   const std::string own(trimmed(name));
-  if (!own.empty()) return own;
+  if (!own.empty()) {
+    if (!options_.sensor.empty() && own != options_.sensor)
+      count("the file names its sensors; --sensor is for those without a name and is not used", line);
+    return own;
+  }
   if (!options_.sensor.empty()) return options_.sensor;
   throw file_.error(line, "the name of the sensor is not in the file: state it with --sensor NAME");
 }
@@ -111,7 +115,10 @@ FileScan& RecordingBuilder::scanAt(std::size_t line, core::Time time, const std:
 }
 
 void RecordingBuilder::fillSigma(std::size_t line, FileSighting& sighting) {
-  if (sighting.sigma.allFinite()) return;
+  if (sighting.sigma.allFinite()) {
+    own_sigmas_ += options_.sigma ? 1 : 0;
+    return;
+  }
   if (!options_.sigma) {
     if (options_.for_truth) return;
     throw file_.error(
@@ -163,6 +170,9 @@ Recording RecordingBuilder::finish() {
       recording_.stations[sensor] = told->second;
     }
   }
+  if (own_sigmas_ > 0)
+    remark("sigma of " + std::to_string(own_sigmas_) +
+           " sightings is the file's; --sigma is for those without one");
   if (default_sigmas_ > 0) {
     std::ostringstream text;
     text << "sigma of " << default_sigmas_ << " sightings as told: " << degrees(options_.sigma->x())

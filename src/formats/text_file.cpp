@@ -37,6 +37,7 @@ TextFile TextFile::fromFile(const std::string& path) {
 TextFile::TextFile(std::string name, std::string text) : name_(std::move(name)), text_(std::move(text)) {
   if (startsWith(text_, "\xFF\xFE") || startsWith(text_, "\xFE\xFF"))
     throw error(1, "is written in UTF-16: save it in UTF-8");
+  if (startsWith(text_, "#ROSBAG")) throw error(0, "is a bag already: replay and doctor read it as it is");
   if (startsWith(text_, "\xEF\xBB\xBF")) text_.erase(0, 3);
   const std::size_t zero = text_.find('\0');
   if (zero != std::string::npos) throw error(0, "is no text file: byte " + std::to_string(zero) + " is zero");

@@ -156,8 +156,8 @@ TEST(CsvSightings, MistakesAreNamedWithLineValueAndRemedy) {
       contains(refusalOf(kHead, withColumns("azimuth=nothing:deg:math")), "there is no column \"nothing\""));
   EXPECT_TRUE(
       contains(refusalOf(kHead, withColumns("bearing=azimuth")), "a column is one of time, sensor, azimuth"));
-  EXPECT_TRUE(
-      contains(refusalOf(kHead, withColumns("azimuth=azimuth:gon:math")), "is no unit or convention"));
+  EXPECT_TRUE(contains(refusalOf(kHead, withColumns("azimuth=azimuth:gon:math")),
+                       "is meant as a unit or convention"));
   EXPECT_TRUE(contains(refusalOf(kHead), "there is no sighting"));
 }
 

@@ -55,6 +55,22 @@ TEST(RecordingBuilder, SigmasThatAreToldAreArcsAndThoseOfTheFileStay) {
   EXPECT_TRUE(contains(remarksOf(recording), "sigma of 2 sightings as told"));
 }
 
+TEST(RecordingBuilder, OptionsThatTheFileMakesNeedlessAreSaid) {
+  const TextFile file("f", "x");
+  ImportOptions options = withSigma();
+  options.sensor = "told";
+  RecordingBuilder builder("a test", file, options);
+  FileSighting sighting = at(0.1, 0.0);
+  sighting.sigma = {0.01, 0.01};
+  EXPECT_EQ(builder.sensorOr("own", 3), "own");
+  EXPECT_EQ(builder.sensorOr(" ", 4), "told");
+  builder.add(3, stamp(1), "own", sighting);
+  const std::string remarks = remarksOf(builder.finish());
+  EXPECT_TRUE(
+      contains(remarks, "--sensor is for those without a name and is not used (1 line, first line 3)"));
+  EXPECT_TRUE(contains(remarks, "sigma of 1 sightings is the file's"));
+}
+
 TEST(RecordingBuilder, WhatTrackersWouldRejectIsRefusedWithItsLine) {
   const TextFile file("f", "x");
   const ImportOptions options = withSigma();

@@ -33,6 +33,7 @@ TEST(TextFile, WhatIsNoTextIsRefused) {
   EXPECT_TRUE(
       contains(refusal([] { TextFile("f", std::string("a\0b", 3)); }), "is no text file: byte 1 is zero"));
   EXPECT_TRUE(contains(refusal([] { TextFile("f", "\xFF\xFE"); }), "UTF-16"));
+  EXPECT_TRUE(contains(refusal([] { TextFile("f", "#ROSBAG V2.0\n"); }), "is a bag already"));
   EXPECT_TRUE(contains(refusal([] { TextFile("f", std::string(kLongestLine + 1, 'x')).line(1); }),
                        "f:1: has 65537 bytes"));
   const std::string large = folder.write("large", "x");

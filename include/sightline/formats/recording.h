@@ -48,7 +48,7 @@ class RecordingBuilder {
   RecordingBuilder(std::string format, const TextFile& file, const ImportOptions& options);
 
   /// The sensor's name for those files that have none, or may have an empty one. Throws FormatError.
-  std::string sensorOr(const std::string& name, std::size_t line) const;
+  std::string sensorOr(const std::string& name, std::size_t line);
 
   /// A sighting of line `line`. Sightings of one sensor with the same `scan`, or the same time where that is
   /// empty, are one scan. A sigma that is not said is that of the options, along arcs. Throws FormatError
@@ -90,7 +90,7 @@ class RecordingBuilder {
   Recording recording_;
   std::map<std::pair<std::string, std::string>, std::size_t> scan_of_;
   std::map<std::string, std::pair<std::size_t, std::size_t>> counts_;  // how often, first line
-  std::size_t sightings_ = 0, default_sigmas_ = 0;
+  std::size_t sightings_ = 0, default_sigmas_ = 0, own_sigmas_ = 0;
 };
 
 /// Azimuth [rad], counter-clockwise from east, of one that is clockwise from north, in (-pi, pi] (S-131).

@@ -65,6 +65,18 @@ sightline::SightingArray messageOf(const formats::FileScan& scan, const std::str
   return message;
 }
 
+/// Stations that were told and are of no sensor: a name may be misspelt.
+std::string unusedStations(const formats::ImportOptions& options, const std::set<std::string>& sensors) {
+  std::set<std::string> unused;
+  for (const auto& [sensor, station] : options.stations) {
+    if (!sensor.empty() && sensors.count(sensor) == 0) unused.insert(sensor);
+  }
+  return unused.empty()
+             ? ""
+             : "stations that were told and are of no sensor in these files: " + report::listOf(unused) +
+                   "\n";
+}
+
 /// Remarks of each file under its name; the same of many files once.
 std::string describe(const std::vector<std::string>& files,
                      const std::vector<formats::Recording>& recordings) {
@@ -162,6 +174,7 @@ std::string importSightings(const std::vector<std::string>& files, const std::st
   std::ostringstream text;
   text << describe(files, recordings);
   for (const std::string& line : recording.remarks) text << line << "\n";
+  text << unusedStations(options, sensorsOf(recording));
   for (const std::string& line : renamed) text << line << "\n";
   text << bag_file << ": " << scans.size() << " scans with " << sightings << " sightings on "
        << report::listOf(topics)

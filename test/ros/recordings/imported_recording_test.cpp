@@ -113,6 +113,15 @@ TEST(ImportedRecording, FilesBecomeABagWithTheirStationsAndSayWhatWasUnderstood)
   EXPECT_NEAR(std::sqrt(scans[0].sightings[0].covariance[0]), 0.0005190, 1e-7);
 }
 
+TEST(ImportedRecording, StationsThatAreOfNoSensorAreSaid) {
+  const ScratchFolder folder;
+  formats::ImportOptions options;
+  options.stations["DFNSMALL63"] = {};
+  const std::string said =
+      importSightings({sample("dfn_small_36.ecsv")}, folder.file("out.bag"), options, "");
+  EXPECT_NE(said.find("of no sensor in these files: DFNSMALL63"), std::string::npos) << said;
+}
+
 TEST(ImportedRecording, ATruthIsWhatEvaluateReads) {
   const ScratchFolder folder;
   formats::ImportOptions options;
