@@ -28,6 +28,10 @@ const char* const kUsage =
     "time,azimuth\n"
     "                         and, as there are, elevation, target, sensor (whose directions they are), "
     "range_m; s, rad\n"
+    "                         or positions, of which then every PositionTrackArray topic is scored in "
+    "metres: "
+    "time[,target],\n"
+    "                         east_m,north_m,up_m or time[,target],latitude_deg,longitude_deg,height_m\n"
     "  --no-truth             compare with the sightings (as without --truth)\n"
     "  --azimuth-only         the truth's elevation is not known, or sightings have none: compare azimuths "
     "alone\n"
@@ -41,6 +45,8 @@ const char* const kUsage =
     "(default "
     "0)\n"
     "  --gospa-c RAD          cutoff of GOSPA and OSPA, whose order is 2 (default 0.01)\n"
+    "  --gospa-c-m M          the same of positions, and how far a target's position may be off at least "
+    "(default 10)\n"
     "  --csv DIR              writes CSV files: evaluation.csv (every figure, a line for each topic and for "
     "each "
     "of its\n"
@@ -89,7 +95,7 @@ sightline::core::EvaluationParams paramsFrom(const CommandLine& line) {
 void evaluate(const std::vector<std::string>& words) {
   const CommandLine line(words,
                          {"--truth", "--settle", "--truth-gap", "--match-gate", "--sighting-gate",
-                          "--sighting-floor", "--gospa-c", "--csv", "--plots"},
+                          "--sighting-floor", "--gospa-c", "--gospa-c-m", "--csv", "--plots"},
                          1, 1, {"--azimuth-only", "--no-truth"});
   if (line.has("--no-truth") && line.has("--truth"))
     throw UsageError("--truth and --no-truth exclude each other: give one");
@@ -101,6 +107,9 @@ void evaluate(const std::vector<std::string>& words) {
     throw UsageError("--plots DIR writes the files of --csv as well: give one");
   settings.csv = line.option("--csv", plots);
   settings.evaluation = paramsFrom(line);
+  settings.positions.gospa_cutoff =
+      line.number("--gospa-c-m", settings.positions.gospa_cutoff, NumberRange::above_zero);
+  settings.positions.settle = settings.evaluation.settle_time;
 
   std::cout << sightline_ros::evaluateBag(line.arguments()[0], settings);
   if (!plots.empty()) draw(plots);

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 #include <iostream>
+#include <optional>
 #include <string>
 
 #include "sightline/core/estimators/estimators.h"
@@ -13,16 +14,25 @@
 namespace {
 
 const char* const kUsageBeforeEstimators =
-    "Usage: replay [--config FILE.yaml] [--estimator E] [--rule R] [--live] IN.bag OUT.bag\n"
+    "Usage: replay [--config FILE.yaml] [--estimator E] [--rule R] [--positions yes|no] [--live] IN.bag "
+    "OUT.bag\n"
     "Runs the local trackers and the track fusion over a recording, as fast as the machine allows.\n"
     "  IN.bag       every sightline/SightingArray topic is used, with /tf and /tf_static\n"
     "  OUT.bag      IN.bag with the tracks (instead of those it may hold): one tracker for each sensor on\n"
     "               /sensors/<sensor>/tracks, one over all sightings on /sensor_fusion/tracks, the fusion of "
     "the former\n"
-    "               on /fusion/tracks, and associations and reports beside them\n"
+    "               on /fusion/tracks, and associations and reports beside them; of sensors that stand apart "
+    "positions on\n"
+    "               /positions/tracks instead of fused directions\n"
     "  --config     parameters in the sections local_tracker (of each sensor), sensor_fusion (over all "
     "sightings) and\n"
-    "               track_fusion; keys as in config/local_tracker.yaml and config/track_fusion.yaml\n"
+    "               track_fusion or position_tracker; keys as in config/local_tracker.yaml, "
+    "config/track_fusion.yaml and\n"
+    "               config/position_tracker.yaml\n"
+    "  --positions  yes: each sensor is a station with tf to the frame `world`, and targets have positions; "
+    "no: "
+    "all look\n"
+    "               from one place (default: yes where sensors stand more than a metre apart)\n"
     "  --live       use scans in their order of arrival, and drop what comes too late for live trackers "
     "(default: nothing\n"
     "               is late)\n"
@@ -64,11 +74,13 @@ void print(const sightline_ros::ReplaySummary& summary, const std::string& out, 
 
 void run(const std::vector<std::string>& words) {
   using namespace sightline_ros;
-  const sightline::report::CommandLine line(words, {"--config", "--estimator", "--rule"}, 2, 2, {"--live"});
+  const sightline::report::CommandLine line(words, {"--config", "--estimator", "--rule", "--positions"}, 2, 2,
+                                            {"--live"});
+  ReplaySettings settings{line.option("--config", ""), line.option("--estimator", ""),
+                          line.option("--rule", ""), line.has("--live"), std::nullopt};
+  if (line.has("--positions")) settings.positions = line.yesOrNo("--positions", false);
   const auto start = std::chrono::steady_clock::now();
-  const ReplaySummary summary = replay(line.arguments()[0], line.arguments()[1],
-                                       {line.option("--config", ""), line.option("--estimator", ""),
-                                        line.option("--rule", ""), line.has("--live")});
+  const ReplaySummary summary = replay(line.arguments()[0], line.arguments()[1], settings);
   print(summary, line.arguments()[1],
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <iomanip>
 #include <map>
 #include <sstream>
@@ -9,14 +10,21 @@
 #include <utility>
 #include <vector>
 
+#include <rosbag/view.h>
+#include <sightline/PositionTrackArray.h>
+
 #include "sightline/core/evaluation/innovation_statistics.h"
 #include "sightline/report/evaluation_csv.h"
 #include "sightline/report/evaluation_text.h"
+#include "sightline/report/output_file.h"
+#include "sightline/report/position_text.h"
 #include "sightline/report/residual_comparison.h"
 #include "sightline/report/residual_text.h"
 #include "sightline/report/score_files.h"
 #include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/messages/position_messages.h"
 #include "sightline/ros/recordings/bags.h"
+#include "sightline/ros/recordings/recorded_positions.h"
 #include "sightline/ros/recordings/recorded_truth.h"
 #include "sightline/ros/recordings/recording_examination.h"
 #include "sightline/ros/recordings/recording_reader.h"
@@ -183,10 +191,68 @@ std::string evaluate(const rosbag::Bag& bag, const BagEvaluationSettings& settin
          (findings.empty() ? "" : "Inputs:\n" + findings);
 }
 
+std::vector<core::PositionEstimate> estimatesOf(const core::PositionTrackArray& array) {
+  std::vector<core::PositionEstimate> estimates;
+  for (const core::PositionTrack& track : array.tracks) {
+    if (track.status == core::TrackStatus::tentative) continue;
+    estimates.push_back({track.id, track.position, track.velocity, track.covariance.topLeftCorner<3, 3>(),
+                         track.parallax == 0.0});
+  }
+  return estimates;
+}
+
+/// Positions in metres. Of several reports at one time the last counts.
+std::string evaluatePositions(const rosbag::Bag& bag, const std::string& file,
+                              const BagEvaluationSettings& settings) {
+  const auto truth = positionTruthFromCsv(settings.truth, bag, settings.evaluation.truth_gap);
+  std::map<std::string, std::map<core::Time, std::vector<core::PositionEstimate>>> reports;  // by topic
+  rosbag::View view(bag, rosbag::TypeQuery(ros::message_traits::datatype<sightline::PositionTrackArray>()));
+  for (const rosbag::MessageInstance& instance : view) {
+    const core::PositionTrackArray array = toCore(*messageOf<sightline::PositionTrackArray>(instance));
+    reports[instance.getTopic()][array.time] = estimatesOf(array);
+  }
+  if (reports.empty()) {
+    throw std::runtime_error(file + ": the truth " + settings.truth +
+                             " is in positions, but there is no sightline/PositionTrackArray in the "
+                             "recording; make them with replay (--positions yes)");
+  }
+  std::map<std::string, core::PositionRow> rows;
+  std::string errors = report::positionErrorHeader();
+  for (const auto& [topic, of_topic] : reports) {
+    core::PositionEvaluation evaluation(truth, settings.positions);
+    for (const auto& [time, tracks] : of_topic) {
+      for (const auto& pair : evaluation.add(time, tracks))
+        if (!settings.csv.empty()) errors += report::positionErrorLine(topic, time, pair);
+    }
+    rows[topic] = evaluation.row();
+  }
+  const bool is_apart =
+      std::all_of(rows.begin(), rows.end(), [](const auto& row) { return row.second.reports == 0; });
+  if (is_apart) {
+    throw std::runtime_error(
+        settings.truth +
+        ": the truth and the recording's positions have no time in common; use the truth "
+        "of this recording, or bring both to one time (csv_to_bag --offset)");
+  }
+  if (!settings.csv.empty()) {
+    std::filesystem::create_directories(settings.csv);
+    const std::vector<std::string> inputs{file, settings.truth};
+    report::TextFile table(settings.csv + "/positions.csv", inputs);
+    report::writePositionRows(table.stream(), rows);
+    table.finish();
+    report::TextFile pairs(settings.csv + "/position_errors.csv", inputs);
+    pairs.stream() << errors;
+    pairs.finish();
+  }
+  return report::positionTable(rows);
+}
+
 }  // namespace
 
 std::string evaluateBag(const std::string& file, const BagEvaluationSettings& settings) {
   const auto bag = openBag(file);
+  if (std::filesystem::is_regular_file(settings.truth) && isPositionTruth(settings.truth))
+    return evaluatePositions(*bag, file, settings);
   if (settings.csv.empty()) return evaluate(*bag, settings, {});
   const std::vector<std::string> inputs{file, settings.truth};
   report::ScoreFiles files(settings.csv, inputs);

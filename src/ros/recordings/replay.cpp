@@ -1,8 +1,10 @@
 #include "sightline/ros/recordings/replay.h"
 
 #include <algorithm>
+#include <boost/make_shared.hpp>
 #include <iomanip>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -10,13 +12,16 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
+#include "sightline/report/value_text.h"
 #include "sightline/ros/components/local_tracker_component.h"
+#include "sightline/ros/components/position_tracker_component.h"
 #include "sightline/ros/components/track_fusion_component.h"
 #include "sightline/ros/diagnosis/input_examination.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/params/param_reader.h"
 #include "sightline/ros/recordings/bags.h"
 #include "sightline/ros/recordings/recorded_scans.h"
+#include "sightline/ros/recordings/recorded_stations.h"
 #include "sightline/ros/recordings/recorded_transforms.h"
 #include "sightline/ros/recordings/replay_output.h"
 
@@ -27,12 +32,13 @@ using sightline::SightingArray;
 
 namespace {
 
-const char* const kAllSensors = "";  // key of the tracker over all sightings, among those by sensor
+const char* const kAllSensors = "";  // group of the tracker over all sightings
 
 /// A local tracker, and where its messages go.
 struct Tracker {
   LocalTrackerComponent component;
   TrackerTopics topics;
+  bool is_used = false;  // its tracks go to the fusion or to the position tracker
 };
 
 ParamReader configurationOf(const ReplaySettings& settings) {
@@ -53,7 +59,7 @@ ParamReader fusionSectionOf(const ParamReader& config, const ReplaySettings& set
   return settings.estimator.empty() ? section : section.with("estimator", settings.estimator);
 }
 
-/// The trackers and the fusion of one replay: scans in, messages out.
+/// The trackers, and the fusion or the position tracker, of one replay: scans in, messages out.
 class Replay {
  public:
   /// `survey`: of the recording `in`.
@@ -63,9 +69,15 @@ class Replay {
   ReplaySummary run(const rosbag::Bag& in);
 
  private:
-  void addTracker(const std::string& sensor, const std::string& name, const std::string& space,
-                  const ParamReader& section);
-  RecordedOrder orderOfScans() const;
+  Tracker trackerOf(const std::string& name, const std::string& space, const ParamReader& section);
+  void addFusion(const std::set<std::string>& sensors, const ParamReader& config,
+                 const ReplaySettings& settings);
+  void addStations(const RecordedStations& found, const std::set<std::string>& sensors,
+                   const ParamReader& config, const ReplaySettings& settings);
+  template <typename Do>
+  void withEachTracker(const Do& action);
+  const std::string& commonFrame() const;
+  RecordedOrder orderOfScans();
   void follow(const DueScans& due);
   void startAnew(core::Time time);
   void follow(const SightingArray::ConstPtr& scan);
@@ -73,16 +85,22 @@ class Replay {
   void fuse(const Tracker& tracker, const std::vector<TrackerReport>& reports);
   void sendOverdueTracklets(core::Time now);
   void sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets);
+  void locate(const Tracker& tracker, const std::vector<TrackerReport>& reports);
+  void note(const std::vector<PositionResult>& results);
   void noteRefusal(const std::optional<core::Refusal>& refusal);
   void noteLeftOut(const core::FusionReport& report);
 
   bool is_live_;
+  bool has_positions_ = false;
   core::ArrivalPlan arrivals_;
   ReplaySummary summary_;
   ReplayOutput output_;
   RecordedTransforms transforms_;
-  std::map<std::string, Tracker> trackers_;  // by sensor; kAllSensors for the one over all sightings
-  TrackFusionComponent fusion_;
+  std::map<std::string, Tracker> trackers_;      // by sensor
+  std::map<std::string, Tracker> groups_;        // over several sensors, by the group's name
+  std::map<std::string, std::string> group_of_;  // by sensor; sensors that are alone have none
+  TrackFusionComponent fusion_;                  // without positions
+  PositionTrackerComponent positions_;           // with positions
   InputExamination examination_;
   std::map<std::string, std::string> topics_;  // of the scans, by sensor
 };
@@ -93,29 +111,86 @@ Replay::Replay(const rosbag::Bag& in, const RecordingSurvey& survey, rosbag::Bag
       arrivals_(survey.arrivals),
       output_(out, summary_),
       transforms_(in, is_live_ ? KnownTransforms::up_to_time : KnownTransforms::one_further),
-      fusion_(fusionSectionOf(config, settings), "fusion") {
-  for (const auto& [sensor, part] : topicPartsOf(survey.sensors)) {
-    addTracker(sensor, sensor, "/sensors/" + part,
-               sectionOf(config, "local_tracker", "estimator", settings.estimator));
+      fusion_(fusionSectionOf(config, settings), "fusion"),
+      positions_(config.sub("position_tracker"), "positions", transforms_.buffer()) {
+  const RecordedStations found = recordedStationsOf(in, positions_.trackingFrame());
+  has_positions_ = settings.positions.value_or(found.standApart());
+  if (has_positions_)
+    addStations(found, survey.sensors, config, settings);
+  else
+    addFusion(survey.sensors, config, settings);
+}
+
+/// Directions from one place: a tracker for each sensor, and one over all of them.
+void Replay::addFusion(const std::set<std::string>& sensors, const ParamReader& config,
+                       const ReplaySettings& settings) {
+  const ParamReader local = sectionOf(config, "local_tracker", "estimator", settings.estimator);
+  for (const auto& [sensor, part] : topicPartsOf(sensors)) {
+    Tracker tracker = trackerOf(sensor, "/sensors/" + part, local);
+    tracker.is_used = true;
+    trackers_.emplace(sensor, std::move(tracker));
+    group_of_[sensor] = kAllSensors;
     if (part != sensor) summary_.topics[sensor] = "/sensors/" + part;
   }
-  addTracker(kAllSensors, "sensor_fusion", "/sensor_fusion",
-             sectionOf(config, "sensor_fusion", "estimator", settings.estimator));
+  groups_.emplace(kAllSensors,
+                  trackerOf("sensor_fusion", "/sensor_fusion",
+                            sectionOf(config, "sensor_fusion", "estimator", settings.estimator)));
 }
 
-void Replay::addTracker(const std::string& sensor, const std::string& name, const std::string& space,
-                        const ParamReader& section) {
+/// Directions from several places: all trackers of a station track in its frame.
+void Replay::addStations(const RecordedStations& found, const std::set<std::string>& sensors,
+                         const ParamReader& config, const ReplaySettings& settings) {
+  output_.replacePositions();
+  // Also where no station has several sensors: what is wrong in that section is said.
+  LocalTrackerComponent(sectionOf(config, "sensor_fusion", "estimator", settings.estimator), "sensor_fusion",
+                        transforms_.buffer());
+  const auto parts = topicPartsOf(sensors);
+  for (const RecordedStation& station : found.stations) {
+    const ParamReader local = sectionOf(config, "local_tracker", "estimator", settings.estimator)
+                                  .with("tracking_frame", XmlRpc::XmlRpcValue(station.frame));
+    for (const std::string& sensor : station.sensors) {
+      const std::string space = "/sensors/" + parts.at(sensor);
+      Tracker tracker = trackerOf(sensor, space, local);
+      tracker.is_used = station.sensors.size() == 1;
+      trackers_.emplace(sensor, std::move(tracker));
+      if (parts.at(sensor) != sensor) summary_.topics[sensor] = space;
+      if (station.sensors.size() > 1) group_of_[sensor] = station.name;
+    }
+    if (station.sensors.size() == 1) continue;
+    const ParamReader all = sectionOf(config, "sensor_fusion", "estimator", settings.estimator)
+                                .with("tracking_frame", XmlRpc::XmlRpcValue(station.frame));
+    Tracker group = trackerOf("station " + station.name, "/stations/" + parts.at(station.name), all);
+    group.is_used = true;
+    groups_.emplace(station.name, std::move(group));
+  }
+  summary_.notices.push_back(std::to_string(found.stations.size()) + " stations stand up to " +
+                             sightline::report::valueOf(found.apart, "m") +
+                             " apart: positions on /positions/tracks, directions are not fused");
+}
+
+Tracker Replay::trackerOf(const std::string& name, const std::string& space, const ParamReader& section) {
   Tracker tracker{LocalTrackerComponent(section, name, transforms_.buffer()), TrackerTopics(space)};
   output_.replace(tracker.topics);
-  trackers_.emplace(sensor, std::move(tracker));
+  return tracker;
 }
 
-RecordedOrder Replay::orderOfScans() const {
+template <typename Do>
+void Replay::withEachTracker(const Do& action) {
+  for (auto& [name, tracker] : groups_) action(tracker);
+  for (auto& [sensor, tracker] : trackers_) action(tracker);
+}
+
+/// In which all sensors can be compared.
+const std::string& Replay::commonFrame() const {
+  return has_positions_ ? positions_.trackingFrame() : groups_.at(kAllSensors).component.trackingFrame();
+}
+
+RecordedOrder Replay::orderOfScans() {
   double max_lag = 0.0, max_future = 0.0;  // [s]
-  for (const auto& [sensor, tracker] : trackers_) {
+  withEachTracker([&](const Tracker& tracker) {
     max_lag = std::max(max_lag, tracker.component.maxLag());
     max_future = std::max(max_future, tracker.component.maxFuture());
-  }
+  });
   return is_live_ ? liveOrder(max_lag, max_future) : orderInHindsight(max_lag, max_future, arrivals_);
 }
 
@@ -134,8 +209,7 @@ ReplaySummary Replay::run(const rosbag::Bag& in) {
     if (!due.restart) break;
   }
   sendOverdueTracklets(core::Time::max());
-  summary_.findings = examination_.findings(
-      transforms_.buffer(), trackers_.at(kAllSensors).component.trackingFrame(), InputLimits{});
+  summary_.findings = examination_.findings(transforms_.buffer(), commonFrame(), InputLimits{});
   return summary_;
 }
 
@@ -145,22 +219,27 @@ void Replay::follow(const DueScans& due) {
   for (const auto& scan : due.scans) follow(scan);
 }
 
-/// The stamps of the recording went back: the trackers and the fusion forget everything.
+/// The stamps of the recording went back: trackers, fusion and positions forget everything.
 void Replay::startAnew(core::Time time) {
   sendOverdueTracklets(core::Time::max());
   transforms_.rewind();
-  for (auto& [sensor, tracker] : trackers_) tracker.component.startAnew(time);
+  withEachTracker([time](Tracker& tracker) { tracker.component.startAnew(time); });
   fusion_.reset();
+  positions_.reset();
 }
 
 void Replay::follow(const SightingArray::ConstPtr& scan) {
   sendOverdueTracklets(toCore(scan->header.stamp));
   Tracker& of_sensor = trackers_.at(scan->sensor);
-  Tracker& of_all = trackers_.at(kAllSensors);
   examination_.take(*scan, topics_[scan->sensor], "", core::Time{});
-  fuse(of_sensor, track(of_sensor, scan));
-  track(of_all, scan);
-  examination_.turn(transforms_.buffer(), of_all.component.trackingFrame());
+  const std::vector<TrackerReport> reports = track(of_sensor, scan);
+  if (!has_positions_) fuse(of_sensor, reports);
+  locate(of_sensor, reports);
+  if (const auto group = group_of_.find(scan->sensor); group != group_of_.end()) {
+    Tracker& of_group = groups_.at(group->second);
+    locate(of_group, track(of_group, scan));
+  }
+  examination_.turn(transforms_.buffer(), commonFrame());
 }
 
 std::vector<TrackerReport> Replay::track(Tracker& tracker, const SightingArray::ConstPtr& scan) {
@@ -191,16 +270,45 @@ void Replay::fuse(const Tracker& tracker, const std::vector<TrackerReport>& repo
 
 /// As a node would by its clock: for trackers whose scans end or pause.
 void Replay::sendOverdueTracklets(core::Time now) {
-  for (auto& [sensor, tracker] : trackers_) {
+  withEachTracker([this, now](Tracker& tracker) {
     const auto overdue = tracker.component.overdueTracklets(now);
-    if (!overdue) continue;
+    if (!overdue) return;
     output_.write(*overdue, tracker.topics);
-    if (sensor != kAllSensors) sendTracklets(tracker, *overdue);
+    sendTracklets(tracker, *overdue);
+  });
+}
+
+/// To the fusion or, where there are positions, to their tracker.
+void Replay::sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets) {
+  if (!tracker.is_used) return;
+  if (!has_positions_)
+    return noteRefusal(fusion_.onTracklets(tracklets, tracker.topics.tracklets, core::Time{}));
+  note(positions_.onTracklets(boost::make_shared<sightline::TrackletArray>(tracklets),
+                              tracker.topics.tracklets, toCore(tracklets.header.stamp)));
+}
+
+/// What a station's tracker says goes to the position tracker.
+void Replay::locate(const Tracker& tracker, const std::vector<TrackerReport>& reports) {
+  if (!has_positions_ || !tracker.is_used) return;
+  for (const TrackerReport& report : reports) {
+    if (report.tracklets) sendTracklets(tracker, *report.tracklets);
+    if (!report.tracks) continue;
+    const core::Time stamp = toCore(report.tracks->header.stamp);
+    note(positions_.onTracks(report.tracks, tracker.topics.tracks, stamp));
+    // A live node would have waited until then for the transform; here the wait costs nothing.
+    const core::Time end_of_wait = stamp + core::durationOf(positions_.tfTimeout());
+    transforms_.advanceTo(end_of_wait);
+    note(positions_.onTransforms(end_of_wait));
   }
 }
 
-void Replay::sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets) {
-  noteRefusal(fusion_.onTracklets(tracklets, tracker.topics.tracklets, core::Time{}));
+void Replay::note(const std::vector<PositionResult>& results) {
+  for (const PositionResult& result : results) {
+    output_.write(result);
+    if (!result.notice.empty()) summary_.notices.push_back(positions_.name() + ": " + result.notice);
+    for (const core::Refusal& refusal : result.refusals)
+      summary_.noteDrop(positions_.name() + ": " + refusal.kind, refusal.detail);
+  }
 }
 
 void Replay::noteRefusal(const std::optional<core::Refusal>& refusal) {

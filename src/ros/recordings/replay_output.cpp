@@ -9,6 +9,9 @@ namespace {
 
 const char* const kFusedTracks = "/fusion/tracks";
 const char* const kFusionReport = "/fusion/report";
+const char* const kPositionTracks = "/positions/tracks";
+const char* const kPositionReport = "/positions/report";
+const char* const kPositionPoses = "/positions/poses";
 
 /// The time of a message with this stamp in a bag, which cannot hold time 0.
 ros::Time bagTime(const ros::Time& stamp) {
@@ -22,6 +25,10 @@ ReplayOutput::ReplayOutput(rosbag::Bag& out, ReplaySummary& summary)
 
 void ReplayOutput::replace(const TrackerTopics& topics) {
   replaced_.insert({topics.tracks, topics.tracklets, topics.associations});
+}
+
+void ReplayOutput::replacePositions() {
+  replaced_.insert({kPositionTracks, kPositionReport, kPositionPoses});
 }
 
 void ReplayOutput::copy(const rosbag::MessageInstance& message) {
@@ -53,6 +60,15 @@ void ReplayOutput::write(const sightline::TrackletArray& tracklets, const Tracke
 void ReplayOutput::write(const FusionResult& fused, const ros::Time& stamp) {
   out_.write(kFusionReport, bagTime(stamp), fused.report);
   if (fused.tracks) write(*fused.tracks, kFusedTracks);
+}
+
+void ReplayOutput::write(const PositionResult& positions) {
+  if (!positions.tracks) return;
+  const ros::Time time = bagTime(positions.tracks->header.stamp);
+  out_.write(kPositionTracks, time, positions.tracks);
+  out_.write(kPositionReport, time, positions.report);
+  out_.write(kPositionPoses, time, positions.poses);
+  ++summary_.track_messages;
 }
 
 void ReplayOutput::write(const sightline::TrackArray& tracks, const std::string& topic) {

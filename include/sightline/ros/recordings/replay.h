@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,12 +13,14 @@
 namespace sightline_ros {
 
 struct ReplaySettings {
-  std::string
-      config;  ///< YAML file with the sections local_tracker, sensor_fusion, track_fusion; empty = defaults
+  std::string config;     ///< YAML file with the sections local_tracker, sensor_fusion, track_fusion and
+                          ///< position_tracker; empty = defaults
   std::string estimator;  ///< of every tracker and of the fusion, instead of what the configuration says;
                           ///< empty = as it says
   std::string rule;       ///< of the fusion, likewise
   bool live = false;      ///< scans count as late, and wait for transforms, as in live trackers
+  std::optional<bool> positions;  ///< positions instead of fused directions; nullopt = where stations stand
+                                  ///< more than a metre apart
 };
 
 /// What a replay did.
@@ -44,6 +47,10 @@ std::string exampleOf(const sightline::SightingArray& scan, const std::string& d
 /// (/sensors/<sensor>/tracks), one over all sightings (/sensor_fusion/tracks), and the fusion of the former
 /// (/fusion/tracks), with associations and reports beside them. Every message of `in` that is not replaced by
 /// these is copied to `out`.
+///
+/// Sensors that stand apart are no sensors of one place: each station's tracker then tracks in the station's
+/// frame (the one over all sensors of a station with several on /stations/<station>/tracks), and instead of
+/// fused directions there are positions (/positions/tracks, /positions/report).
 ///
 /// Scans are followed in the order of their stamps, however they arrived, with all transforms of the
 /// recording; with `live` as live trackers would have followed them, which drop what is later than `max_lag`

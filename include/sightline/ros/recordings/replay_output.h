@@ -9,6 +9,7 @@
 #include <sightline/TrackletArray.h>
 
 #include "sightline/ros/components/local_tracker_component.h"
+#include "sightline/ros/components/position_tracker_component.h"
 #include "sightline/ros/components/track_fusion_component.h"
 #include "sightline/ros/recordings/replay.h"
 
@@ -31,6 +32,9 @@ class ReplayOutput {
   /// The replay publishes on these topics: recorded messages on them are not copied.
   void replace(const TrackerTopics& topics);
 
+  /// The replay publishes positions: recorded ones are not copied.
+  void replacePositions();
+
   /// Copies a recorded message, unless its topic is replaced.
   void copy(const rosbag::MessageInstance& message);
 
@@ -40,6 +44,9 @@ class ReplayOutput {
 
   /// What the fusion made of tracks with this stamp.
   void write(const FusionResult& fused, const ros::Time& stamp);
+
+  /// The positions that came of a message, if any.
+  void write(const PositionResult& positions);
 
  private:
   void write(const sightline::TrackArray& tracks, const std::string& topic);
