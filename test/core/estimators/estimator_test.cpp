@@ -191,6 +191,32 @@ TEST_P(AnyEstimator, HasACovarianceAfterEverySighting) {
   }
 }
 
+TEST_P(AnyEstimator, ItsHypothesesHaveTheMeanAndTheCovarianceOfItsState) {
+  const auto estimator = make();
+  EXPECT_TRUE(estimator->hypothesesAt(Time{}).empty());
+  for (const Measurement& sighting : test::sightingsOf(test::sinusoid, kSigma, 1, 2.0)) {
+    estimator->update(sighting);
+    for (const double h : {0.0, 0.03, 2.0}) {
+      const Time time = sighting.time + durationOf(h);
+      const AngularState state = *estimator->stateAt(time);
+      double sum = 0.0;
+      Eigen::Vector4d mean = Eigen::Vector4d::Zero();
+      for (const Hypothesis& hypothesis : estimator->hypothesesAt(time)) {
+        sum += hypothesis.probability;
+        mean += hypothesis.probability * hypothesis.state.mean;
+      }
+      Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+      for (const Hypothesis& hypothesis : estimator->hypothesesAt(time)) {
+        const Eigen::Vector4d offset = hypothesis.state.mean - mean;
+        covariance += hypothesis.probability * (hypothesis.state.covariance + offset * offset.transpose());
+      }
+      ASSERT_NEAR(sum, 1.0, 1e-9);
+      ASSERT_LT((mean - state.mean).norm(), 1e-9 * (1.0 + state.mean.norm()));
+      ASSERT_LT((covariance - state.covariance).norm(), 1e-9 * state.covariance.norm());
+    }
+  }
+}
+
 TEST_P(AnyEstimator, TakesSightingsAtOneTimeAndAtOnePlace) {
   const auto estimator = make();
   auto sightings = test::sightingsOf(slow, kSigma, 2, 2.0);
