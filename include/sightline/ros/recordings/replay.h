@@ -19,8 +19,8 @@ struct ReplaySettings {
                           ///< empty = as it says
   std::string rule;       ///< of the fusion, likewise
   bool live = false;      ///< scans count as late, and wait for transforms, as in live trackers
-  std::optional<bool> positions;  ///< positions instead of fused directions; nullopt = where stations stand
-                                  ///< more than a metre apart
+  /// Positions instead of fused directions; nullopt = where stations stand more than a metre apart.
+  std::optional<bool> positions = std::nullopt;
 };
 
 /// What a replay did.
