@@ -46,6 +46,12 @@ class PositionTrackerNode : public testing::Test {
     tf_.publish(places);
   }
 
+  /// Of the target's path, for all tests alike.
+  static ros::Time beginning() {
+    static const ros::Time first = ros::Time::now();
+    return first;
+  }
+
   /// Each station sees the target now.
   void look() {
     const ros::Time now = ros::Time::now();
@@ -59,10 +65,12 @@ class PositionTrackerNode : public testing::Test {
         condition, [this] { look(); }, ros::WallDuration(0.04));
   }
 
-  static bool isConfirmed(const Received<sightline::PositionTrackArray>& received, std::size_t sources) {
+  /// Of what has been seen for a second in this test: the trackers live through all of them.
+  bool isConfirmed(const Received<sightline::PositionTrackArray>& received, std::size_t sources) const {
     if (received.messages().empty() || received.messages().back().tracks.size() != 1) return false;
     const auto& track = received.messages().back().tracks[0];
-    return track.status == sightline::PositionTrack::CONFIRMED && track.sources.size() == sources;
+    return track.status == sightline::PositionTrack::CONFIRMED && track.sources.size() == sources &&
+           track.last_sighting > started_ + ros::Duration(1.0);
   }
 
   void expectTruth(const sightline::PositionTrackArray& message) const {
@@ -77,7 +85,8 @@ class PositionTrackerNode : public testing::Test {
   std::vector<SeenStation> stations_{{"west", {0.0, 0.0, 2.0}, 0.4, 1},
                                      {"east", {80.0, 0.0, 1.0}, 2.5, 2},
                                      {"north", {40.0, 90.0, 0.0}, -1.5, 3}};
-  ros::Time begin_ = ros::Time::now();
+  ros::Time started_ = ros::Time::now();
+  ros::Time begin_ = beginning();
   ros::Publisher tf_ = nh_.advertise<tf2_msgs::TFMessage>("/tf_static", 10, true);
   std::vector<ros::Publisher> eyes_;
   Received<sightline::PositionTrackArray> positions_{nh_, "/positions/tracks"};
