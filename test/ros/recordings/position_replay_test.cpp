@@ -34,11 +34,11 @@ using sightline_ros::ReplaySummary;
 
 constexpr double kStart = 100.0, kDuration = 6.0;  // [s]
 
-/// Two stations, and a third sensor half a metre beside the first where `with_third`; scans come with a
-/// latency of up to `latency` [s].
+/// Two stations, and a third sensor a centimetre beside the first where `with_third`, which the target's
+/// distance makes less than their sigma; scans come with a latency of up to `latency` [s].
 void record(const std::string& file, bool with_third = false, double latency = 0.0) {
   std::vector<SeenStation> stations{{"west", {0.0, 0.0, 2.0}, 0.4, 1}, {"east", {80.0, 0.0, 1.0}, 2.5, 2}};
-  if (with_third) stations.emplace_back("west_2", Eigen::Vector3d(0.5, 0.0, 2.0), 0.1, 3);
+  if (with_third) stations.emplace_back("west_2", Eigen::Vector3d(0.01, 0.0, 2.0), 0.1, 3);
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> later(0.0, latency);
   rosbag::Bag bag(file, rosbag::bagmode::Write);
