@@ -8,33 +8,37 @@
 
 namespace sightline::core {
 
-Gospa gospa(const std::vector<Eigen::Vector3d>& estimates, const std::vector<Eigen::Vector3d>& truths,
-            const GospaParams& params) {
+Gospa gospaOfDistances(const Eigen::MatrixXd& distances, const GospaParams& params) {
   const double p = params.order,
                alone = std::pow(params.cutoff, p);  // a miss and a false one together cost c^p
-  // A pair further apart than c costs no less than its members alone, and a chord is shorter than its arc.
-  Eigen::MatrixXd cost =
-      Eigen::MatrixXd::Constant(estimates.size(), truths.size(), std::numeric_limits<double>::infinity());
-  for (Eigen::Index i = 0; i < cost.rows(); ++i) {
-    for (Eigen::Index j = 0; j < cost.cols(); ++j) {
-      if ((estimates[i] - truths[j]).squaredNorm() > params.cutoff * params.cutoff) continue;
-      cost(i, j) = std::pow(angleBetween(estimates[i], truths[j]), p);
-    }
-  }
-
+  const Eigen::MatrixXd cost = distances.unaryExpr([p](double distance) { return std::pow(distance, p); });
   Gospa result;
   double pairs_sum = 0.0;
   const std::vector<int> truth_of = assign(cost, alone);
-  for (std::size_t i = 0; i < estimates.size(); ++i) {
-    if (truth_of[i] < 0) continue;
-    pairs_sum += cost(i, truth_of[i]);
+  for (Eigen::Index i = 0; i < cost.rows(); ++i) {
+    const int truth = truth_of[static_cast<std::size_t>(i)];
+    if (truth < 0) continue;
+    pairs_sum += cost(i, truth);
     ++result.assigned;
   }
-  result.extra = static_cast<int>(estimates.size()) - result.assigned;
-  result.missed = static_cast<int>(truths.size()) - result.assigned;
+  result.extra = static_cast<int>(cost.rows()) - result.assigned;
+  result.missed = static_cast<int>(cost.cols()) - result.assigned;
   result.localisation = std::pow(pairs_sum, 1.0 / p);
   result.distance = std::pow(pairs_sum + 0.5 * alone * (result.missed + result.extra), 1.0 / p);
   return result;
+}
+
+Gospa gospa(const std::vector<Eigen::Vector3d>& estimates, const std::vector<Eigen::Vector3d>& truths,
+            const GospaParams& params) {
+  // A pair further apart than c costs no less than its members alone, and a chord is shorter than its arc.
+  Eigen::MatrixXd distances = Eigen::MatrixXd::Constant(estimates.size(), truths.size(), kForbidden);
+  for (Eigen::Index i = 0; i < distances.rows(); ++i) {
+    for (Eigen::Index j = 0; j < distances.cols(); ++j) {
+      if ((estimates[i] - truths[j]).squaredNorm() > params.cutoff * params.cutoff) continue;
+      distances(i, j) = angleBetween(estimates[i], truths[j]);
+    }
+  }
+  return gospaOfDistances(distances, params);
 }
 
 void GospaMeans::add(const Gospa& gospa) {

@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "sightline/core/association/assignment.h"
+#include "sightline/core/evaluation/gospa.h"
 
 namespace sightline::core {
 namespace {
@@ -99,27 +100,17 @@ std::vector<PositionEvaluation::Pair> PositionEvaluation::add(Time time,
   const double c = params_.gospa_cutoff;
   Eigen::MatrixXd distance = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(tracks.size()),
                                                        static_cast<Eigen::Index>(truths.size()), kForbidden);
-  Eigen::MatrixXd squared = distance;  // for GOSPA: within the cutoff
+  Eigen::MatrixXd within_cutoff = distance;  // for GOSPA
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const double reach = std::max(c, params_.match_sigmas * largestSigma(tracks[i].covariance));
     for (std::size_t j = 0; j < truths.size(); ++j) {
       const double d = (tracks[i].position - truths[j].position).norm();
       const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(j);
       if (d <= reach) distance(row, column) = d;
-      if (d <= c) squared(row, column) = d * d;
+      if (d <= c) within_cutoff(row, column) = d;
     }
   }
-  double sum = 0.0;
-  int assigned = 0;
-  const std::vector<int> near = assign(squared, c * c);
-  for (std::size_t i = 0; i < near.size(); ++i) {
-    if (near[i] < 0) continue;
-    sum += squared(static_cast<Eigen::Index>(i), near[i]);
-    ++assigned;
-  }
-  sum += 0.5 * c * c *
-         static_cast<double>(tracks.size() + truths.size() - 2 * static_cast<std::size_t>(assigned));
-  gospa_.add(std::sqrt(sum));
+  gospa_.add(gospaOfDistances(within_cutoff, {c, 2.0}).distance);
   ++reports_;
 
   std::vector<Pair> pairs;

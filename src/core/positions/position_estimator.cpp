@@ -5,9 +5,9 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "sightline/core/model/sphere.h"
 
@@ -54,14 +54,7 @@ ModeArray equalAttractions(const PositionEstimatorParams& params) {
 }
 
 bool isUsable(const StationMeasurement& m) {
-  if (m.station < 0 || !m.ray.origin.allFinite() || !m.ray.direction.allFinite() ||
-      !m.ray.covariance.allFinite() || !(m.slow.variance >= 0.0) || !(m.slow.time_constant > 0.0)) {
-    return false;
-  }
-  if (std::abs(m.ray.direction.squaredNorm() - 1.0) > 1e-6) return false;
-  const Matrix23d B = acrossBasis(m.ray.direction);
-  const Eigen::Matrix2d R = B * m.ray.covariance * B.transpose();
-  return R(0, 0) > 0.0 && R.determinant() > 0.0;
+  return m.station >= 0 && m.slow.variance >= 0.0 && m.slow.time_constant > 0.0 && isDetermined(m.ray);
 }
 
 /// What samples `h` seconds apart of a Gauss-Markov error count like when they are taken as white (P-7).
@@ -84,10 +77,14 @@ PositionEstimator::PositionEstimator(const PositionEstimatorParams& params)
     : params_(std::make_shared<const PositionEstimatorParams>(params)),
       chain_(equalAttractions(params), params.dwell) {}
 
-PositionEstimator::Seen* PositionEstimator::find(int station) {
+const PositionEstimator::Seen* PositionEstimator::find(int station) const {
   for (int i = 0; i < seen_count_; ++i)
     if (seen_[static_cast<std::size_t>(i)].station == station) return &seen_[static_cast<std::size_t>(i)];
   return nullptr;
+}
+
+PositionEstimator::Seen* PositionEstimator::find(int station) {
+  return const_cast<Seen*>(std::as_const(*this).find(station));
 }
 
 /// Remembers that the station sees the target; the station silent longest is forgotten for it.
@@ -459,9 +456,7 @@ std::optional<PositionState> PositionEstimator::stateAt(Time time) const {
     for (int i = 0; i < seen_count_; ++i)
       nearest = std::min(nearest, (state.mean.head<3>() - seen_[static_cast<std::size_t>(i)].origin).norm());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(state.covariance.topLeftCorner<3, 3>(),
-                                                             Eigen::EigenvaluesOnly);
-  state.relative_sigma = std::sqrt(std::max(eigen.eigenvalues()(2), 0.0)) / nearest;
+  state.relative_sigma = largestSigma(state.covariance.topLeftCorner<3, 3>()) / nearest;
   return state;
 }
 
@@ -474,10 +469,7 @@ std::optional<SlowErrorEstimate> PositionEstimator::slowErrorOf(int station) con
     SlowErrorEstimate estimate;
     estimate.station = station;
     estimate.time = *time_;
-    for (int j = 0; j < seen_count_; ++j) {
-      const Seen& seen = seen_[static_cast<std::size_t>(j)];
-      if (seen.station == station) estimate.since = seen.since;
-    }
+    if (const Seen* seen = find(station)) estimate.since = seen->since;
     estimate.error = all.mean.segment<2>(kMotionSize + 2 * i);
     estimate.covariance = all.covariance.block<2, 2>(kMotionSize + 2 * i, kMotionSize + 2 * i);
     estimate.basis = slot.basis;

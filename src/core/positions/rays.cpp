@@ -32,11 +32,9 @@ bool isPositiveDefinite(const Eigen::Matrix2d& C) {
 }
 
 bool isUsable(const Ray& ray) {
-  if (!ray.origin.allFinite() || !ray.direction.allFinite() || !ray.covariance.allFinite()) return false;
-  if (std::abs(ray.direction.squaredNorm() - 1.0) > 1e-6) return false;
-  const Matrix23d B = acrossBasis(ray.direction);
-  if (!isPositiveDefinite(acrossCovariance(B, ray.covariance))) return false;
+  if (!isDetermined(ray)) return false;
   if (!ray.motion) return true;
+  const Matrix23d B = acrossBasis(ray.direction);
   return ray.motion->rate.allFinite() && ray.motion->origin_velocity.allFinite() &&
          isPositiveDefinite(acrossCovariance(B, ray.motion->covariance));
 }
@@ -210,6 +208,17 @@ Descent descend(const std::vector<Ray>& rays, int size, Vector6d& x) {
 
 }  // namespace
 
+bool isDetermined(const Ray& ray) {
+  if (!ray.origin.allFinite() || !ray.direction.allFinite() || !ray.covariance.allFinite()) return false;
+  if (std::abs(ray.direction.squaredNorm() - 1.0) > 1e-6) return false;
+  return isPositiveDefinite(acrossCovariance(acrossBasis(ray.direction), ray.covariance));
+}
+
+double largestSigma(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(eigen.eigenvalues()(2), 0.0));
+}
+
 Matrix23d acrossBasis(const Eigen::Vector3d& direction) {
   // The shortest rotation that takes +z to the direction, applied to x and y.
   const double x = direction.x(), y = direction.y(), z = direction.z();
@@ -295,9 +304,7 @@ Crossing intersect(const std::vector<Ray>& rays) {  // (P-2)
   at.point = x.head<3>();
   at.covariance = at.joint_covariance.topLeftCorner<3, 3>();
   at.parallax = largestParallax(rays, at.point);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(at.covariance, Eigen::EigenvaluesOnly);
-  at.relative_sigma =
-      std::sqrt(std::max(eigen.eigenvalues()(2), 0.0)) / distanceToNearestOrigin(rays, at.point);
+  at.relative_sigma = largestSigma(at.covariance) / distanceToNearestOrigin(rays, at.point);
   return crossing;
 }
 

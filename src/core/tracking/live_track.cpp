@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "sightline/core/association/log_sum.h"
 #include "sightline/core/estimators/rate_prior.h"
 #include "sightline/core/model/sphere.h"
 
@@ -59,10 +60,10 @@ double logDensityWithJumps(const AngularState& expected, const AngularState& fou
     return -0.5 * distance_squared / (stretch * stretch) - log_root - 4.0 * std::log(stretch) -
            2.0 * std::log(2.0 * kPi);
   };
-  const double calm = std::log(1.0 - kJumps) + logNormal(1.0);
-  const double jump = std::log(kJumps) + logNormal(kJumpStretch);
-  const double larger = std::max(calm, jump);
-  return larger + std::log(std::exp(calm - larger) + std::exp(jump - larger));
+  LogSum density;
+  density.add(std::log(1.0 - kJumps) + logNormal(1.0));
+  density.add(std::log(kJumps) + logNormal(kJumpStretch));
+  return density.value();
 }
 
 }  // namespace
@@ -179,14 +180,10 @@ void LiveTrack::noteSource(const Scan& scan, const Eigen::Vector2d& innovation) 
 // (S-43)
 double LiveTrack::logDensityOfReturn(const LiveTrack& fresh, Time time) const {
   const AngularState its = estimator_.chart().fromTracking(fresh.estimator_.stateAt(time));
-  double log_sum = -std::numeric_limits<double>::infinity();
-  for (const Hypothesis& mine : estimator_.hypothesesInChart(time)) {
-    const double log_density = std::log(mine.probability) + logDensityWithJumps(mine.state, its);
-    const double larger = std::max(log_sum, log_density);
-    if (!std::isfinite(larger)) continue;
-    log_sum = larger + std::log(std::exp(log_sum - larger) + std::exp(log_density - larger));
-  }
-  return std::log(kReturns) + log_sum;
+  LogSum density;
+  for (const Hypothesis& mine : estimator_.hypothesesInChart(time))
+    density.add(std::log(mine.probability) + logDensityWithJumps(mine.state, its));
+  return std::log(kReturns) + density.value();
 }
 
 // (S-43), (S-92)

@@ -82,10 +82,11 @@ class Replay {
   void startAnew(core::Time time);
   void follow(const SightingArray::ConstPtr& scan);
   std::vector<TrackerReport> track(Tracker& tracker, const SightingArray::ConstPtr& scan);
-  void fuse(const Tracker& tracker, const std::vector<TrackerReport>& reports);
+  void use(const Tracker& tracker, const std::vector<TrackerReport>& reports);
+  void fuse(const sightline::TrackArray& tracks, const std::string& topic);
   void sendOverdueTracklets(core::Time now);
   void sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets);
-  void locate(const Tracker& tracker, const std::vector<TrackerReport>& reports);
+  void locate(const sightline::TrackArray::ConstPtr& tracks, const std::string& topic);
   void note(const std::vector<PositionResult>& results);
   void noteRefusal(const std::optional<core::Refusal>& refusal);
   void noteLeftOut(const core::FusionReport& report);
@@ -232,12 +233,10 @@ void Replay::follow(const SightingArray::ConstPtr& scan) {
   sendOverdueTracklets(toCore(scan->header.stamp));
   Tracker& of_sensor = trackers_.at(scan->sensor);
   examination_.take(*scan, topics_[scan->sensor], "", core::Time{});
-  const std::vector<TrackerReport> reports = track(of_sensor, scan);
-  if (!has_positions_) fuse(of_sensor, reports);
-  locate(of_sensor, reports);
+  use(of_sensor, track(of_sensor, scan));
   if (const auto group = group_of_.find(scan->sensor); group != group_of_.end()) {
     Tracker& of_group = groups_.at(group->second);
-    locate(of_group, track(of_group, scan));
+    use(of_group, track(of_group, scan));
   }
   examination_.turn(transforms_.buffer(), commonFrame());
 }
@@ -257,15 +256,24 @@ std::vector<TrackerReport> Replay::track(Tracker& tracker, const SightingArray::
   return reports;
 }
 
-void Replay::fuse(const Tracker& tracker, const std::vector<TrackerReport>& reports) {
-  for (const auto& report : reports) {
+/// What a tracker says goes to the fusion or, where there are positions, to their tracker.
+void Replay::use(const Tracker& tracker, const std::vector<TrackerReport>& reports) {
+  if (!tracker.is_used) return;
+  for (const TrackerReport& report : reports) {
     if (report.tracklets) sendTracklets(tracker, *report.tracklets);
     if (!report.tracks) continue;
-    const FusionResult fused = fusion_.onTracks(*report.tracks, tracker.topics.tracks, core::Time{});
-    output_.write(fused, report.tracks->header.stamp);
-    noteRefusal(fused.refusal);
-    noteLeftOut(*fused.fused);
+    if (has_positions_)
+      locate(report.tracks, tracker.topics.tracks);
+    else
+      fuse(*report.tracks, tracker.topics.tracks);
   }
+}
+
+void Replay::fuse(const sightline::TrackArray& tracks, const std::string& topic) {
+  const FusionResult fused = fusion_.onTracks(tracks, topic, core::Time{});
+  output_.write(fused, tracks.header.stamp);
+  noteRefusal(fused.refusal);
+  noteLeftOut(*fused.fused);
 }
 
 /// As a node would by its clock: for trackers whose scans end or pause.
@@ -278,7 +286,6 @@ void Replay::sendOverdueTracklets(core::Time now) {
   });
 }
 
-/// To the fusion or, where there are positions, to their tracker.
 void Replay::sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets) {
   if (!tracker.is_used) return;
   if (!has_positions_)
@@ -287,19 +294,13 @@ void Replay::sendTracklets(const Tracker& tracker, const sightline::TrackletArra
                               tracker.topics.tracklets, toCore(tracklets.header.stamp)));
 }
 
-/// What a station's tracker says goes to the position tracker.
-void Replay::locate(const Tracker& tracker, const std::vector<TrackerReport>& reports) {
-  if (!has_positions_ || !tracker.is_used) return;
-  for (const TrackerReport& report : reports) {
-    if (report.tracklets) sendTracklets(tracker, *report.tracklets);
-    if (!report.tracks) continue;
-    const core::Time stamp = toCore(report.tracks->header.stamp);
-    note(positions_.onTracks(report.tracks, tracker.topics.tracks, stamp));
-    // A live node would have waited until then for the transform; here the wait costs nothing.
-    const core::Time end_of_wait = stamp + core::durationOf(positions_.tfTimeout());
-    transforms_.advanceTo(end_of_wait);
-    note(positions_.onTransforms(end_of_wait));
-  }
+void Replay::locate(const sightline::TrackArray::ConstPtr& tracks, const std::string& topic) {
+  const core::Time stamp = toCore(tracks->header.stamp);
+  note(positions_.onTracks(tracks, topic, stamp));
+  // A live node would have waited until then for the transform; here the wait costs nothing.
+  const core::Time end_of_wait = stamp + core::durationOf(positions_.tfTimeout());
+  transforms_.advanceTo(end_of_wait);
+  note(positions_.onTransforms(end_of_wait));
 }
 
 void Replay::note(const std::vector<PositionResult>& results) {

@@ -25,9 +25,12 @@ struct Gospa {
   int extra = 0;              ///< estimates without a target
 };
 
-/// Generalised optimal sub-pattern assignment metric with alpha = 2 between sets of unit vectors; the
-/// distance of a pair is the angle between them (A. S. Rahmathullah, A. F. Garcia-Fernandez, L. Svensson,
-/// FUSION 2017).
+/// Generalised optimal sub-pattern assignment metric with alpha = 2 between two sets (A. S. Rahmathullah,
+/// A. F. Garcia-Fernandez, L. Svensson, FUSION 2017). `distances`: of estimates (rows) and truths (columns),
+/// in the unit of the cutoff; those beyond the cutoff may be infinite.
+Gospa gospaOfDistances(const Eigen::MatrixXd& distances, const GospaParams& params);
+
+/// The same of sets of unit vectors; the distance of a pair is the angle between them.
 Gospa gospa(const std::vector<Eigen::Vector3d>& estimates, const std::vector<Eigen::Vector3d>& truths,
             const GospaParams& params = {});
 

@@ -119,6 +119,7 @@ class PositionEstimator {
   static constexpr int kMostSeen = 32;
   static constexpr int kMostWaiting = 32;
 
+  const Seen* find(int station) const;
   Seen* find(int station);
   Seen& note(const StationMeasurement& measurement);
   bool supports(const Seen& seen, Time now) const;

@@ -26,6 +26,12 @@ struct Ray {
   std::optional<RayMotion> motion;
 };
 
+/// Whether origin, direction (a unit vector) and covariance are usable; the motion is not looked at.
+bool isDetermined(const Ray& ray);
+
+/// Largest standard deviation in any direction, of a covariance.
+double largestSigma(const Eigen::Matrix3d& covariance);
+
 /// Two unit vectors across a unit vector, as rows; they change smoothly with it except where z = -1.
 Eigen::Matrix<double, 2, 3> acrossBasis(const Eigen::Vector3d& direction);
 
