@@ -313,15 +313,11 @@ PositionResult PositionTrackerComponent::resultOf(const Message& message, const 
 }
 
 std::optional<double> PositionTrackerComponent::onSimulatedTime(core::Time now) {
-  const double back = core::seconds(latest_now_ - now);
-  if (back <= maxLag()) {
-    latest_now_ = std::max(latest_now_, now);
-    return std::nullopt;
-  }
+  const std::optional<double> back = clock_.stepBack(now, maxLag());
+  if (!back) return std::nullopt;
   reset();
   waiting_.clear();
   waiting_count_ = 0;
-  latest_now_ = now;
   return back;
 }
 

@@ -170,13 +170,8 @@ bool TrackFusionComponent::wantsTracklets() const {
 }
 
 std::optional<double> TrackFusionComponent::onSimulatedTime(core::Time now) {
-  const double back = core::seconds(latest_now_ - now);
-  if (back <= maxLag()) {
-    latest_now_ = std::max(latest_now_, now);
-    return std::nullopt;
-  }
-  reset();
-  latest_now_ = now;
+  const std::optional<double> back = clock_.stepBack(now, maxLag());
+  if (back) reset();
   return back;
 }
 

@@ -23,6 +23,7 @@
 #include "sightline/core/model/refusal.h"
 #include "sightline/core/ordering/recoverable.h"
 #include "sightline/core/positions/position_tracker.h"
+#include "sightline/ros/components/simulated_clock.h"
 #include "sightline/ros/messages/frame_params.h"
 #include "sightline/ros/params/param_reader.h"
 
@@ -135,7 +136,7 @@ class PositionTrackerComponent {
   std::uint32_t highest_id_ = 0;  // published
   std::uint32_t id_offset_ = 0;   // of the ids of this tracker, as those before a reset are not used again
   int late_in_a_row_ = 0;         // messages of tracks
-  sightline::core::Time latest_now_{};  // of simulated time, since it went back last
+  SimulatedClock clock_;
 };
 
 }  // namespace sightline_ros

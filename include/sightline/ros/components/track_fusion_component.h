@@ -15,6 +15,7 @@
 #include "sightline/core/fusion/track_fusion.h"
 #include "sightline/core/model/refusal.h"
 #include "sightline/core/ordering/recoverable.h"
+#include "sightline/ros/components/simulated_clock.h"
 #include "sightline/ros/params/param_reader.h"
 
 namespace sightline_ros {
@@ -111,7 +112,7 @@ class TrackFusionComponent {
   sightline::core::Recoverable<sightline::core::TrackFusion, Input, Answer> fusion_;
   std::shared_ptr<const sightline::core::FusionReport> latest_;  // never null
   Origins origins_, tracklet_origins_;
-  sightline::core::Time latest_now_{};  // of simulated time, since it went back last
+  SimulatedClock clock_;
 };
 
 }  // namespace sightline_ros
