@@ -6,8 +6,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
-#include <gtest/gtest.h>
 
 #include "sightline/core/estimators/estimator.h"
 
@@ -85,20 +83,6 @@ BenchmarkFigures benchmark(Path path, double sigma, int runs, const Make& make) 
   }
   return {std::sqrt(sum.estimate / count) / sigma, std::sqrt(sum.prediction / count) / sigma,
           sum.anees / count, sum.innovation / count};
-}
-
-/// Finite, symmetric, and positive definite by more than rounding once the variances are scaled to one.
-template <typename Matrix>
-testing::AssertionResult isCovariance(const Matrix& P) {
-  if (!P.allFinite()) return testing::AssertionFailure() << "not finite:\n" << P;
-  if (P != P.transpose()) return testing::AssertionFailure() << "not symmetric:\n" << P;
-  if (!(P.diagonal().minCoeff() > 0.0)) return testing::AssertionFailure() << "no variance:\n" << P;
-  const auto scale = P.diagonal().cwiseSqrt().cwiseInverse().eval();
-  const typename Matrix::PlainObject correlation = scale.asDiagonal() * P * scale.asDiagonal();
-  const double least =
-      Eigen::SelfAdjointEigenSolver<typename Matrix::PlainObject>(correlation).eigenvalues()(0);
-  if (least > 1e-14) return testing::AssertionSuccess();
-  return testing::AssertionFailure() << "least eigenvalue of the correlations " << least << ":\n" << P;
 }
 
 }  // namespace sightline::test

@@ -14,6 +14,7 @@
 
 #include "sightline/core/estimators/estimators.h"
 
+#include "support/covariances.h"
 #include "support/simulated.h"
 
 // Allocations are counted at malloc, because Eigen does not go by operator new. A sanitizer has a malloc of

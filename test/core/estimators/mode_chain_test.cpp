@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/covariances.h"
 #include "support/simulated.h"
 
 namespace sightline::core {

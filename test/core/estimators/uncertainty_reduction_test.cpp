@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <string>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "support/covariances.h"
 #include "support/golden.h"
 
 namespace sightline::core {
@@ -72,10 +72,6 @@ Matrix5 jointOf(const Matrix2d& C_r, const Matrix23& C_p, const Matrix3d& C_a) {
   Matrix5 joint;
   joint << C_r, C_p, C_p.transpose(), C_a;
   return joint;
-}
-
-double leastEigenvalue(const MatrixXd& matrix) {
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(matrix).eigenvalues()(0);
 }
 
 /// Change of (a, r) that minimises Q subject to S x - y + sign e = 0, from the stationary point of
@@ -195,9 +191,9 @@ TEST(UncertaintyReduction, NeverMakesAnythingLessKnown) {
     const Case given = randomCase(seed);
     const auto reduced = given.reduced();
     const double rounding = -1e-11 * (given.C_a.norm() + given.C_r.norm());
-    EXPECT_GE(leastEigenvalue(Matrix3d(given.C_a - reduced.C_a)), rounding);
-    EXPECT_GE(leastEigenvalue(Matrix2d(given.C_r - reduced.C_r)), rounding);
-    EXPECT_GE(leastEigenvalue(jointOf(reduced.C_r, reduced.C_p, reduced.C_a)), rounding);
+    EXPECT_GE(test::leastEigenvalue(Matrix3d(given.C_a - reduced.C_a)), rounding);
+    EXPECT_GE(test::leastEigenvalue(Matrix2d(given.C_r - reduced.C_r)), rounding);
+    EXPECT_GE(test::leastEigenvalue(jointOf(reduced.C_r, reduced.C_p, reduced.C_a)), rounding);
   }
 }
 
@@ -319,7 +315,7 @@ Indefinite indefiniteInSinglePrecision(unsigned seed, float prior_scale) {
   const MatrixXf printed = C_a - C_a * S.transpose() * D.llt().solve(S * C_a);  // (21) as it stands
   const MatrixXf joseph = reduceUncertainty(model, C_a, Eigen::Vector3f(0.1F, -0.2F, 0.3F), C_r).C_a;
   const auto indefinite = [](const MatrixXf& C) {
-    return leastEigenvalue(symmetric(C.cast<double>())) < 0.0;
+    return test::leastEigenvalue(symmetric(C.cast<double>())) < 0.0;
   };
   return {indefinite(printed), indefinite(joseph)};
 }

@@ -4,9 +4,10 @@
 #include <limits>
 #include <random>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
+
+#include "support/covariances.h"
 
 namespace sightline::core {
 namespace {
@@ -128,7 +129,7 @@ TEST(Sphere, PropagationAddsWhiteAcceleration) {
   EXPECT_NEAR(later.covariance(0, 2), 3.0 * 0.04 / 2.0, 1e-15);
   EXPECT_NEAR(later.covariance(2, 2), 3.0 * 0.2, 1e-15);
   const AngularState earlier = propagate(state, -0.2, 3.0);
-  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(earlier.covariance).eigenvalues()(0), 0.0);
+  EXPECT_GT(test::leastEigenvalue(earlier.covariance), 0.0);
 }
 
 }  // namespace

@@ -4,12 +4,13 @@
 #include <random>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "sightline/core/model/kinematics.h"
 #include "sightline/core/model/sphere.h"
+
+#include "support/covariances.h"
 
 namespace sightline::core {
 namespace {
@@ -17,10 +18,6 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Matrix4d;
 using Eigen::MatrixXd;
-
-double smallestEigenvalue(const MatrixXd& matrix) {
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues()(0);
-}
 
 /// Two Kalman filters of one target, with their exact cross-covariance by (I - K H)(F P F^T + Q)(I - K H)^T.
 class TwoFilters {
@@ -84,7 +81,7 @@ TEST(CrossCovariance, JointOfConsistentSourcesIsTakenAsItIs) {
   const MatrixXd joint = filters.cross().joint(sources, {0, 1});
   EXPECT_EQ((joint.block<4, 4>(0, 4)), filters.cross().between(0, 1));
   EXPECT_EQ((joint.block<4, 4>(4, 4)), filters.covariance(1));
-  EXPECT_GT(smallestEigenvalue(joint), 0.0);
+  EXPECT_GT(test::leastEigenvalue(joint), 0.0);
 }
 
 TEST(CrossCovariance, JointIsPositiveDefiniteWhateverTheSourcesReport) {
@@ -97,7 +94,7 @@ TEST(CrossCovariance, JointIsPositiveDefiniteWhateverTheSourcesReport) {
     EXPECT_EQ((joint.block<4, 4>(0, 0)), sources[0].covariance);
     const auto fused = maximumLikelihood(sources, joint);
     ASSERT_TRUE(fused) << lie;
-    EXPECT_GE(smallestEigenvalue(Matrix4d(sources[0].covariance - fused->covariance)),
+    EXPECT_GE(test::leastEigenvalue(Matrix4d(sources[0].covariance - fused->covariance)),
               -1e-12 * sources[0].covariance.trace());
   }
 }

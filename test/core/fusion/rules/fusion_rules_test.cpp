@@ -8,9 +8,9 @@
 #include <string>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include "support/covariances.h"
 #include "support/golden.h"
 
 namespace sightline::core {
@@ -85,7 +85,7 @@ Matrix4d actualCovariance(const FusedEstimate<4>& fused, const MatrixXd& joint) 
 double loewnerMargin(const Matrix4d& a, const Matrix4d& b) {
   const Matrix4d inverse_root = rootOf(b).inverse();
   const Matrix4d difference = inverse_root * (b - a) * inverse_root.transpose();
-  return Eigen::SelfAdjointEigenSolver<Matrix4d>(difference, Eigen::EigenvaluesOnly).eigenvalues()(0);
+  return test::leastEigenvalue(difference);
 }
 
 double logDeterminant(const MatrixXd& P) {
