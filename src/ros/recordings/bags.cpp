@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <console_bridge/console.h>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -28,10 +29,14 @@ std::unique_ptr<rosbag::Bag> openBag(const std::string& file) {
 
 namespace {
 
-/// A bag that cannot be written to its end is left as it is: its destructor would try to close it, and throw.
+/// A bag that is open and cannot be written to its end is left as it is: its destructor would try to close
+/// it, and throw. At the end of the program class_loader (of Debian 13) would complain of what lives on in
+/// it.
 void giveUp(std::unique_ptr<rosbag::Bag> bag) {
+  if (!bag->isOpen()) return;
   static auto* const given_up = new std::vector<rosbag::Bag*>();
   given_up->push_back(bag.release());
+  console_bridge::noOutputHandler();
 }
 
 }  // namespace
