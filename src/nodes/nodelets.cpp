@@ -1,5 +1,6 @@
 #include <pluginlib/class_list_macros.hpp>
 
+#include "sightline/ros/nodes/flight_recorder_node.h"
 #include "sightline/ros/nodes/local_tracker_node.h"
 #include "sightline/ros/nodes/nodelet_of.h"
 #include "sightline/ros/nodes/position_tracker_node.h"
@@ -11,6 +12,7 @@
 
 namespace sightline_ros {
 
+using FlightRecorderNodelet = NodeletOf<FlightRecorderNode>;
 using LocalTrackerNodelet = NodeletOf<LocalTrackerNode>;
 using SensorSimulatorNodelet = NodeletOf<SensorSimulatorNode>;
 using TruthPublisherNodelet = NodeletOf<TruthPublisherNode>;
@@ -21,6 +23,7 @@ using PositionTrackerNodelet = NodeletOf<PositionTrackerNode>;
 
 }  // namespace sightline_ros
 
+PLUGINLIB_EXPORT_CLASS(sightline_ros::FlightRecorderNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::LocalTrackerNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::SensorSimulatorNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::TruthPublisherNodelet, nodelet::Nodelet)

@@ -73,7 +73,7 @@ class TrackletTrack {
   /// What a source reported. How it is used is the estimator's knowledge.
   struct Report {
     LocalKey source;
-    std::uint64_t number;
+    std::uint64_t number = 0;
     Tracklet tracklet;
 
     friend Time timeOf(const Report& report) { return report.tracklet.time; }
