@@ -40,7 +40,6 @@ std::optional<std::uint32_t> idOf(const Track* track) {
 Eigen::MatrixXd squaresWithin(double gate, const std::vector<TrueTarget>& targets,
                               const std::vector<const Track*>& tracks, Channels channels) {
   std::vector<Eigen::Vector3d> directions;
-  directions.reserve(tracks.size());
   for (const Track* track : tracks) directions.push_back(comparable(track->state.angles(), channels));
   Eigen::MatrixXd square = Eigen::MatrixXd::Constant(targets.size(), tracks.size(), kForbidden);
   for (Eigen::Index i = 0; i < square.rows(); ++i) {

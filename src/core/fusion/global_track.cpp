@@ -140,7 +140,6 @@ std::vector<std::size_t> GlobalTrack::usable() const {
 void GlobalTrack::compareSupporters(const TrackerMisalignment& registration) {
   const std::vector<std::size_t> numbers = usable();
   std::vector<Estimate<4>> estimates;
-  estimates.reserve(numbers.size());
   for (const std::size_t number : numbers) estimates.push_back(estimateOf(supporters_[number].state));
   const auto others = weightedCovarianceOfOthers(estimates);
   for (std::size_t i = 0; i < numbers.size(); ++i) {

@@ -188,7 +188,7 @@ void TrackAssociation::learnMisalignment(const GlobalTracks& tracks, const std::
     if (const auto disagreement = disagreementOf(entry.track, reporting))
       disagreements.push_back(*disagreement);
   }
-  misalignment_.take(reporting, std::move(disagreements));
+  misalignment_.take(reporting, disagreements);
 }
 
 void TrackAssociation::splitContradicting(GlobalTracks& tracks, const TrackletMemory& memory,

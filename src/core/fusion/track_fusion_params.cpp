@@ -32,8 +32,9 @@ void requireValid(const TrackFusionParams& params) {
   check(tracklets.max_lag > 0.0 && tracklets.memory > 0.0 && tracklets.max_missing >= 0.0 &&
             tracklets.max_missing <= 1.0,
         "tracklets: max_lag and memory > 0 s, max_missing in [0, 1] are required");
-  SensorGuard(tracklets.guard);
-  makeEstimator(tracklets.estimator);  // refuses what cannot work before the first tracklet comes
+  // Refuse what cannot work before the first tracklet comes.
+  [[maybe_unused]] const SensorGuard guard(tracklets.guard);
+  makeEstimator(tracklets.estimator);
 }
 
 TrackletMemoryParams memoryParamsOf(const TrackFusionParams& params) {

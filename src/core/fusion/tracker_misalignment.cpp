@@ -21,7 +21,7 @@ double signedMedian(std::vector<double> values) {
 
 }  // namespace
 
-void TrackerMisalignment::take(const std::string& tracker, std::vector<Disagreement> disagreements) {
+void TrackerMisalignment::take(const std::string& tracker, const std::vector<Disagreement>& disagreements) {
   if (disagreements.size() < kLeastTargets) return;
   std::vector<double> distances, variances;
   for (const Disagreement& it : disagreements) {

@@ -116,7 +116,7 @@ void SpotDetector::ringMeans(const std::vector<float>& plane, std::vector<float>
     for (std::size_t u = 0; u < width; ++u) sums[u] += sign * function(row[u]);
   };
   struct Rows {
-    double* sums;
+    double* sums = nullptr;
     int begin = 0, end = 0;
   } outer{column_sums_.data()}, inner{column_sums_.data() + width};
   const auto moveTo = [&](Rows& rows, int v, int half) {
@@ -135,10 +135,10 @@ void SpotDetector::ringMeans(const std::vector<float>& plane, std::vector<float>
     }
     const float* const here = &plane[static_cast<std::size_t>(at(0, v))];
     float* const out = &means[static_cast<std::size_t>(at(0, v))];
-    for (int u = 0; u < width_; ++u) {
-      const int far_u = std::min({params_.neighbourhood, u, width_ - 1 - u}),
-                near_u = std::min(params_.guard, far_u);
-      const int count = (2 * far_v + 1) * (2 * far_u + 1) - (2 * near_v + 1) * (2 * near_u + 1);
+    for (std::ptrdiff_t u = 0; u < width_; ++u) {
+      const auto far_u = std::min({std::ptrdiff_t{params_.neighbourhood}, u, width_ - 1 - u}),
+                 near_u = std::min(std::ptrdiff_t{params_.guard}, far_u);
+      const auto count = (2 * far_v + 1) * (2 * far_u + 1) - (2 * near_v + 1) * (2 * near_u + 1);
       const double sum =
           P[2 * (u + far_u + 1)] - P[2 * (u - far_u)] - P[2 * (u + near_u + 1) + 1] + P[2 * (u - near_u) + 1];
       // In the corners nothing is left of the ring: no contrast.

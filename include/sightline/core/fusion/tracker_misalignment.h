@@ -22,7 +22,7 @@ class TrackerMisalignment {
 
   /// What a tracker's report says, of targets that others see too. Less than three say nothing: one target
   /// that was taken for another would look the same. The median counts.
-  void take(const std::string& tracker, std::vector<Disagreement> disagreements);
+  void take(const std::string& tracker, const std::vector<Disagreement>& disagreements);
 
   /// Standard deviation of the tracker's misalignment in each angle [rad].
   double sigma(const std::string& tracker) const;

@@ -20,7 +20,7 @@ template <typename Source>
 Corroboration corroborationBy(const std::vector<Source>& sources, const std::string& sensor, Time time,
                               const SensorGuard& guard, bool may_corroborate = true) {
   Corroboration corroboration;
-  std::array<std::array<double, kMostSources>, 2> innovations;
+  std::array<std::array<double, kMostSources>, 2> innovations{};
   for (const Source& source : sources) {
     const double silence = seconds(time - source.last_sighting);
     if (source.sensor == sensor) {
