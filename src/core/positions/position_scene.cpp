@@ -279,7 +279,7 @@ PositionOutput PositionScene::output(Time time) const {
   for (const auto& [key, local] : locals_) {
     const bool has_position =
         std::any_of(out.tracks.tracks.begin(), out.tracks.tracks.end(),
-                    [&](const PositionTrack& track) { return track.id == local.target; });
+                    [id = local.target](const PositionTrack& track) { return track.id == id; });
     if (!local.is_reported || has_position) continue;
     const auto target = targets_.find(local.target);
     const auto reason = reasons.find(key);
