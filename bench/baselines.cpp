@@ -216,6 +216,7 @@ std::vector<Contender> otherEstimators(double gate) {
   core::EstimatorParams imm, kalman, twbls, noga;
   imm.kind = core::EstimatorKind::imm;
   kalman.kind = core::EstimatorKind::kalman;
+  twbls.kind = core::EstimatorKind::twbls;
   twbls.twbls_form = core::EstimatorForm::paper;
   noga.kind = core::EstimatorKind::noga;
   noga.noga_form = core::EstimatorForm::paper;

@@ -67,6 +67,7 @@ struct CrowdFigures {
   double hours = 0.0;     ///< of the recording
   double seconds = 0.0;   ///< of processor time that the tracker took [s]
   double coverage = 0.0;  ///< share of the target scans with a track
+  double position_anees = 0.0, state_anees = 0.0;  ///< of the established tracks; 1 is honest
 };
 
 CrowdFigures follow(const CrowdRecording& recording, const core::LocalTrackerParams& params);

@@ -158,6 +158,7 @@ void printAll() {
   std::printf("\n");
 
   EstimatorParams twbls, twbls_paper, noga, noga_paper;
+  twbls.kind = twbls_paper.kind = EstimatorKind::twbls;
   twbls_paper.twbls_form = EstimatorForm::paper;
   twbls_paper.twbls.anchor = core::TwblsAnchor::raw;
   twbls_paper.twbls.covariance = core::TwblsCovariance::fit_error;

@@ -100,6 +100,7 @@ int main(int argc, char** argv) {
   using sightline::core::EstimatorForm;
   using sightline::core::EstimatorKind;
   sightline::core::EstimatorParams twbls, twbls_consistent, noga, noga_consistent, kalman, imm;
+  twbls.kind = twbls_consistent.kind = EstimatorKind::twbls;
   twbls.twbls_form = EstimatorForm::paper;
   twbls.twbls.max_sightings = 20;
   noga.kind = noga_consistent.kind = EstimatorKind::noga;

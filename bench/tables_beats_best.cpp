@@ -196,6 +196,7 @@ void printBeatsBest(const Options& options) {
       options.runs);
   core::EstimatorParams noga, twbls, kalman;
   noga.kind = core::EstimatorKind::noga;
+  twbls.kind = core::EstimatorKind::twbls;
   kalman.kind = core::EstimatorKind::kalman;
   kalman.kalman.process_noise = 0.3 * kAmplitude * kAmplitude;
   const std::vector<double> two{0.08, 0.08}, six{0.08, 0.08, 0.08, 0.15, 0.15, 0.15};

@@ -128,6 +128,7 @@ TwblsParams paperWindow(TimeWeight weight) {
 
 EstimatorParams twbls(const TwblsParams& params) {
   EstimatorParams estimator;
+  estimator.kind = EstimatorKind::twbls;
   estimator.twbls_form = EstimatorForm::paper;
   estimator.twbls = params;
   return estimator;
@@ -164,11 +165,12 @@ std::vector<Row> rows() {
   add("TWBLS exp tau 0.2 s, N = 60", core(twbls(short_memory)), 0.514, 0.599, 0.449, 0.495);
   add("TWBLS none, N = 20 by count only", core(twbls(by_count)), 0.496, 0.569, 0.452, 0.499);
 
-  EstimatorParams estimator;
+  EstimatorParams estimator, by_default;
+  estimator.kind = by_default.kind = EstimatorKind::twbls;
   estimator.twbls_consistent.initial_rate_sigma = 1e6;
   estimator.twbls_consistent.process_noises = {{1e-4, 0.0}, {0.05, 0.0}, {0.5, 0.0}, {3.0, 0.0}};
   add("TWBLS consistent, bank of (S-6)", core(estimator), 0.487, 0.554, 0.432, 0.478);
-  add("TWBLS consistent, default", core(EstimatorParams{}), none, none, none, none);
+  add("TWBLS consistent, default", core(by_default), none, none, none, none);
 
   estimator.kind = EstimatorKind::noga;
   estimator.noga_form = EstimatorForm::paper;

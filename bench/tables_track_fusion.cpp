@@ -218,6 +218,7 @@ void printTrackFusion(const Options& options) {
       options.runs);
   core::EstimatorParams noga, twbls, kalman;
   noga.kind = core::EstimatorKind::noga;
+  twbls.kind = core::EstimatorKind::twbls;
   kalman.kind = core::EstimatorKind::kalman;
   kalman.kalman.process_noise = 0.3 * kAmplitude * kAmplitude;
   for (const char* scenario : {"sin", "weave", "ncv0.3"}) {

@@ -77,10 +77,14 @@ void ImmEstimator::update(const Measurement& measurement) {  // (S-18), (S-27)
   time_ = measurement.time;
 }
 
-/// Covariances of what one sighting does not tell, for a prediction `h` seconds ahead.
-void ImmEstimator::setUnknown(double h) {
+/// Covariances of what one sighting does not tell, for a prediction `h` seconds ahead. Where nobody says how
+/// fast the target is, a unit of time changes its rates by no more than their size: two sightings that tell
+/// its rate tell no acceleration.
+void ImmEstimator::setUnknown(double h) {  // (S-22)
   const double unit = revisit_.unit(h);
-  const double acceleration_sigma = params_.initial_acceleration_sigma / (unit * unit);
+  double acceleration_sigma = params_.initial_acceleration_sigma / (unit * unit);
+  if (params_.initial_rate_sigma == 0.0)
+    acceleration_sigma = std::min(acceleration_sigma, rate_.sigma() / unit);
   for (int mode = 0; mode < modes(); ++mode) {
     auto diagonal = motions_[mode].covariance.diagonal();
     diagonal.segment<2>(2).setConstant(rate_.variance());

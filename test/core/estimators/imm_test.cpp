@@ -69,6 +69,24 @@ TEST(Imm, OfTheDefaultBankIsBetterThanTheKalmanFilterOnCurveAndStraight) {
   }
 }
 
+TEST(Imm, TwoSightingsTellTheRateAndNoAcceleration) {
+  for (const double h : {0.02, 0.1, 10.0}) {
+    for (const double rate : {0.055, 0.3}) {
+      ImmEstimator estimator(ImmParams{});
+      for (const double t : {0.0, h}) {
+        Measurement sighting;
+        sighting.time = Time(durationOf(t));
+        sighting.position << rate * t, 0.2;
+        sighting.covariance = 1e-10 * Eigen::Matrix2d::Identity();
+        estimator.update(sighting);
+      }
+      const double ahead = h < 1.0 ? 0.5 : 1.5 * h;
+      const AngularState state = *estimator.stateAt(Time(durationOf(h + ahead)));
+      EXPECT_NEAR(state.mean(0), rate * (h + ahead), 0.1 * rate * ahead) << h << " s, " << rate << " rad/s";
+    }
+  }
+}
+
 /// Straight until 5 s, then hard round the bend.
 Eigen::Vector4d swerving(double t) {
   const double s = std::max(0.0, t - 5.0);

@@ -183,6 +183,38 @@ TEST(TrackletFusion, SlowAndLateSourceStandsBesideAFastOne) {
   EXPECT_GT(with_slow, 9 * all / 10) << "it counts as long as it keeps its own pace";
 }
 
+TEST(TrackletFusion, OneSensorAt200HertzBesideOneAMinuteIsAsAccurateAsTheBetter) {
+  test::Platform platform;
+  platform.path = [](double t) { return Eigen::Vector2d(0.1 + 0.002 * t, 0.3 - 0.0005 * t); };
+  platform.duration = 190.0;  // the slow one's track is confirmed by its fourth sighting
+  const test::PlatformSensor fast{"fast", "fast eye", 0.005, 0.0, 1e-3};
+  const auto rms = [&](const std::vector<test::PlatformSensor>& sensors) {
+    platform.sensors = sensors;
+    double squared = 0.0;
+    int reports = 0, of_all = 0;
+    std::set<std::uint32_t> ids;
+    for (const FusionReport& report : test::run(platform).fused) {
+      const double t = seconds(report.time - test::platformTime(0.0));
+      if (t < 5.0) continue;
+      EXPECT_EQ(report.tracks.size(), 1u) << t;
+      if (report.tracks.empty()) continue;
+      ids.insert(report.tracks[0].track.id);
+      squared += (report.tracks[0].track.state.angles() - platform.path(t)).squaredNorm();
+      ++reports;
+      of_all += report.tracks[0].sources.size() == sensors.size();
+    }
+    EXPECT_EQ(ids.size(), 1u);
+    EXPECT_GT(of_all, 0) << "the slow one contributes nothing";
+    return std::sqrt(squared / 2.0 / reports);
+  };
+  const double alone = rms({fast});
+  EXPECT_LT(alone, 0.2 * fast.sigma);
+  for (const double sigma : {1e-3, 1e-4}) {  // the noise of the fast one is the same in all runs
+    const test::PlatformSensor slow{"slow", "slow eye", 60.0, 1.0, sigma};
+    EXPECT_LE(rms({fast, slow}), 1.01 * alone) << sigma;
+  }
+}
+
 TEST(TrackletFusion, SourceThatStopsAndReturnsCountsAgain) {
   Platform platform = threeSensors();
   platform.sights = [](const PlatformSensor& sensor, double t) {
