@@ -1,4 +1,5 @@
 // For libFuzzer (-fsanitize=fuzzer of clang): the first byte chooses the target, the others are the case.
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
