@@ -160,7 +160,7 @@ void addSecondLooks(const Scan& scan, int track, const TrackPrediction& predicti
   for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
     double log_ratio = 0.0;
     std::optional<Association> pair = look.pairWith(scan.sightings[j], log_ratio);
-    if (!pair) continue;
+    if (!pair || !std::isfinite(log_ratio)) continue;
     pair->sighting = static_cast<std::uint32_t>(j);
     pair->threshold = gateThreshold(params);
     if (log_ratio <= std::log(missWeight(prediction))) {
@@ -195,10 +195,12 @@ Candidates candidatesOf(const Scan& scan, const std::vector<TrackPrediction>& pr
       if (!(decisions[j].distance_squared <= pair.distance_squared)) decisions[j] = pair;
       if (is_inside) {
         const double log_ratio = logRatio(prediction, pair, clutter_density);
+        if (!std::isfinite(log_ratio)) continue;  // a hypothesis without a density is a miss
         candidates.pairs.push_back({static_cast<int>(i), static_cast<int>(j), log_ratio});
         candidates.record.push_back(std::move(pair));
       } else if (widen(pair, prediction, params)) {
         const double log_ratio = std::log(kChanges) + logRatio(prediction, pair, clutter_density);
+        if (!std::isfinite(log_ratio)) continue;
         candidates.changed.push_back({static_cast<int>(i), static_cast<int>(j), log_ratio});
         candidates.record_of_changed.push_back(std::move(pair));
       }

@@ -41,7 +41,7 @@ void summarize(const std::vector<const Track*>& contributors, Track& track) {
 void setState(const AngularState& state_tracking, FusedTrack& description) {
   Track& track = description.track;
   description.withheld = whyNoTrack(state_tracking);
-  track.state = state_tracking;
+  track.state = {state_tracking.mean, symmetric(state_tracking.covariance)};
   track.state.mean(0) = wrapAngle(track.state.mean(0));
   track.gate.centre = track.state.angles();
   track.gate.covariance = track.state.anglesCovariance();

@@ -18,6 +18,11 @@ std::optional<Refusal> invalidityOf(const Track& track) {
     return Refusal{"invalid",
                    "status " + std::to_string(static_cast<int>(track.status)) + " is none of 0, 1, 2"};
   }
+  if (track.existence < 0.0 || track.existence > 1.0) {
+    std::ostringstream detail;
+    detail << "existence " << track.existence << " is no probability: give NaN where it is not computed";
+    return invalid(detail.str());
+  }
   return rejectionOf(track.state);
 }
 

@@ -277,9 +277,11 @@ void TrackAssociation::move(const std::vector<SupporterMove>& moves, GlobalTrack
   }
   for (std::size_t k = 0; k < moves.size(); ++k) {
     if (!moves[k].best) continue;
+    const LocalTrack& local = *reports.find(moves[k].key);
+    if (local.invalid) continue;  // what it says now is of no track: it is free until it says more
     GlobalTrackEntry& entry = tracks.entries()[*moves[k].best];
     if (since[k]) entry.tracklets.passOver(moves[k].key, *since[k], memory);
-    entry.track.join(moves[k].key, *reports.find(moves[k].key));
+    entry.track.join(moves[k].key, local);
     entry.track.compareSupporters(misalignment_);
   }
 }

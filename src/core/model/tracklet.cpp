@@ -221,6 +221,9 @@ std::vector<Tracklet> compress(const std::vector<Tracklet>& sightings, const Com
   const Tracklet* const end = sightings.data() + sightings.size();
   const Tracklet* first = sightings.data();
   for (double part = 1.0; first != end; ++part) {
+    // Parts without sightings are passed over at once: a pause can have very many of them.
+    if (whole > 0.0)
+      part = std::max(part, std::floor(seconds(first->time - sightings.front().time) / whole * parts));
     const Time until = sightings.front().time + durationOf(part * whole / parts);
     const Tracklet* last = first;
     while (last != end && (last->time < until || part >= parts)) ++last;

@@ -187,6 +187,7 @@ std::optional<Candidate> PositionHypotheses::score(const std::vector<const Local
     if (station.view) looks = station.view->holds(crossing.at.point - station.origin) ? 1.0 : 0.0;
     score += std::log1p(-looks * params_.detection_probability);
   }
+  if (!std::isfinite(score) || !candidate.at.point.allFinite()) return std::nullopt;  // not comparable
   candidate.score = score;
   return candidate;
 }

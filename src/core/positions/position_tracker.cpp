@@ -7,11 +7,14 @@
 #include <tuple>
 #include <utility>
 
+#include "sightline/core/model/usable_sighting.h"
+
 namespace sightline::core {
 namespace {
 
 constexpr int kStatesPerLag = 8;  // that are kept for rolling back
 constexpr std::size_t kMostItems = 100000;
+constexpr std::size_t kMostNames = 1024;  // of trackers, and of their sensors: what is learnt of each is kept
 
 TimelineParams timelineParams(double max_lag) {
   if (!(max_lag >= 0.0 && std::isfinite(max_lag)))
@@ -56,9 +59,20 @@ std::optional<Refusal> PositionTracker::insert(Item item) {
   return std::nullopt;
 }
 
+/// Why nothing under these names is taken; `sensor` is empty for a tracker's tracks.
+std::optional<Refusal> PositionTracker::admit(const std::string& tracker, const std::string& sensor) {
+  if (names_.count({tracker, sensor}) > 0) return std::nullopt;
+  if (names_.size() >= kMostNames)
+    return Refusal{"limit", "already " + std::to_string(names_.size()) +
+                                " names of trackers and sensors: each must keep its name"};
+  names_.insert({tracker, sensor});
+  return std::nullopt;
+}
+
 std::optional<Refusal> PositionTracker::onTracks(const StationTracks& tracks) {
   if (!isUsable(tracks.pose))
     return Refusal{"invalid", "pose of the station is not finite, or its rotation is none: see its tf"};
+  if (auto refusal = admit(tracks.tracker, "")) return refusal;
   auto refusal = insert({tracks.time, tracks});
   if (!refusal) reported_ = std::max(reported_.value_or(tracks.time), tracks.time);
   return refusal;
@@ -67,12 +81,13 @@ std::optional<Refusal> PositionTracker::onTracks(const StationTracks& tracks) {
 std::vector<Refusal> PositionTracker::onTracklets(const std::vector<StationTracklet>& tracklets) {
   std::vector<Refusal> refusals;
   for (const StationTracklet& tracklet : tracklets) {
-    const Sighting& sighting = tracklet.tracklet.sighting;
-    const bool is_usable = isUsable(tracklet.pose) && sighting.direction.allFinite() &&
-                           sighting.covariance.allFinite() && sighting.covariance.trace() > 0.0 &&
-                           std::abs(sighting.direction.squaredNorm() - 1.0) < 1e-6;
+    const bool is_usable = isUsable(tracklet.pose) && isUsable(tracklet.tracklet.sighting);
     if (!is_usable) {
       refusals.push_back({"invalid", "pose, direction or covariance of the tracklet is not usable"});
+      continue;
+    }
+    if (const auto refusal = admit(tracklet.tracker, tracklet.tracklet.sensor)) {
+      refusals.push_back(*refusal);
       continue;
     }
     if (const auto refusal = insert({tracklet.tracklet.time, tracklet})) refusals.push_back(*refusal);

@@ -22,6 +22,7 @@ constexpr double kFirstSpread = 0.3;  // of false sightings in each angle [rad],
 constexpr double kTrustInSpread = 5.0;  // ... for so many of them
 constexpr double kSphere = 4.0 * kPi;   // [sr]
 constexpr double kLeastSpread = 5.0;    // of false sightings, in standard deviations of a sighting
+constexpr double kMostOdds = 1e100;     // of a new target, and the inverse the least
 constexpr double kLongest = 300.0;      // for which births add up [units of time]
 
 bool byName(const CalibratedDetection& sensor, const std::string& name) {
@@ -123,7 +124,9 @@ double DetectionCalibration::clutter(const Scan& scan) const {
 double DetectionCalibration::newTargetOdds(const Scan& scan) const {
   const CalibratedDetection* sensor = find(scan.sensor);
   const double targets = sensor == nullptr ? params_.first_targets : sensor->undiscovered;
-  return targets * probability(scan) / clutter(scan);  // (S-48)
+  const double odds = targets * probability(scan) / clutter(scan);  // (S-48)
+  return odds > 1.0 / kMostOdds ? std::min(odds, kMostOdds)
+                                : 1.0 / kMostOdds;  // the last where it is no number
 }
 
 double DetectionCalibration::birthDensity(const Scan& scan, double duration) const {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/core/tracking/published_tracks.h"
 #include "sightline/core/tracking/second_looks.h"
 #include "sightline/core/tracking/usable_sightings.h"
 
@@ -84,6 +85,7 @@ std::optional<Refusal> LocalTracker::refusalOf(const Scan& scan) const {
   if (anything_before && scan.time < scans_[0].before->time) {
     return Refusal{"late", "more than " + std::to_string(kMostScans) + " scans have come after it"};
   }
+  if (auto missing = whyNotWeighable(scan, params_.estimator)) return missing;
   if (scans_.holds(scan))
     return Refusal{"duplicate",
                    "this exposure of " + scan.sensor + " has been taken already: publish each exposure once"};
@@ -387,7 +389,7 @@ std::vector<Track> LocalTracker::report() const {
     if (track.lifecycle().isLost()) continue;
     tracks.push_back(track.report(state_.time, params_.gate, params_.adapt_gate, params_.lifecycle));
   }
-  return tracks;
+  return publishedTracks(std::move(tracks));
 }
 
 }  // namespace sightline::core

@@ -1,6 +1,7 @@
 #include "sightline/core/model/tracklet.h"
 
 #include <cmath>
+#include <ctime>
 #include <random>
 
 #include <Eigen/Cholesky>
@@ -265,6 +266,25 @@ TEST(Tracklet, PlaceOnTheSphereDoesNotMatter) {
       EXPECT_TRUE(tracklets[i].sighting.covariance.isApprox(expected.covariance, 1e-3));
     }
   }
+}
+
+TEST(Tracklets, APauseOfYearsTakesNoLongerThanOneOfSeconds) {
+  std::vector<Tracklet> sightings;
+  for (const double begin : {0.0, 1e8}) {
+    for (int i = 0; i < 20; ++i)
+      sightings.push_back(sightingAt(begin + 0.01 * i, kSigma * straight(0.01 * i), round(kSigma)));
+  }
+  const std::clock_t before = std::clock();
+  const auto tracklets = compress(sightings, {0.15, 2});
+  EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC,
+            0.5);  // hundreds of millions of spans: 4 s
+  ASSERT_GE(tracklets.size(), 4u);
+  double count = 0.0;
+  for (const Tracklet& tracklet : tracklets) {
+    EXPECT_TRUE(timeOf(tracklet) < 1.0 || timeOf(tracklet) > 1e8 - 1.0) << timeOf(tracklet);
+    count += tracklet.sightings;
+  }
+  EXPECT_NEAR(40.0, count, 1e-9);
 }
 
 }  // namespace

@@ -299,5 +299,24 @@ TEST(PositionTracker, LateDoubleAndBadInputIsRefusedWithItsReason) {
   EXPECT_THROW(PositionTracker{params}, std::invalid_argument);
 }
 
+TEST(PositionTracker, NamesOfTrackersAndSensorsAreBounded) {
+  PositionTracker tracker;
+  int refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    StationTracks tracks;
+    tracks.tracker = "station " + std::to_string(i);
+    tracks.time = Time(std::chrono::milliseconds(i));
+    const auto refusal = tracker.onTracks(tracks);
+    if (!refusal) continue;
+    EXPECT_EQ("limit", refusal->kind);
+    ++refused;
+  }
+  EXPECT_EQ(3000 - 1024, refused);
+  StationTracks known;
+  known.tracker = "station 5";
+  known.time = Time(std::chrono::seconds(3));
+  EXPECT_FALSE(tracker.onTracks(known));
+}
+
 }  // namespace
 }  // namespace sightline::core

@@ -72,5 +72,19 @@ TEST(UsableSightings, OneReasonForAllLeavesTheReasonsOfTheUnusableOnes) {
   EXPECT_EQ(usable.decisions[1].decision, Decision::rejected_input);
 }
 
+TEST(UsableSightings, AScanWithoutIfovIsRefusedOnlyWhereSensorsAreWeighedByIt) {
+  EstimatorParams params;
+  params.kind = EstimatorKind::twbls;
+  params.twbls_form = EstimatorForm::paper;
+  Scan scan = scanOf({good(0.1)});
+  EXPECT_FALSE(whyNotWeighable(scan, params));
+  params.twbls.sensor_weight = SensorWeight::ifov;
+  const auto refusal = whyNotWeighable(scan, params);
+  ASSERT_TRUE(refusal);
+  EXPECT_NE(refusal->detail.find("eye"), std::string::npos) << refusal->detail;
+  scan.ifov = 1e-3;
+  EXPECT_FALSE(whyNotWeighable(scan, params));
+}
+
 }  // namespace
 }  // namespace sightline::core

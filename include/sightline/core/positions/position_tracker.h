@@ -2,6 +2,9 @@
 
 #include <cstddef>
 #include <optional>
+#include <set>
+#include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -26,7 +29,7 @@ class PositionTracker {
   /// Throws std::invalid_argument for a parameter out of range.
   explicit PositionTracker(const PositionTrackerParams& params = {});
 
-  /// Returns why they are not used: late, duplicate, invalid.
+  /// Returns why they are not used: late, duplicate, invalid, limit (too many names of trackers or sensors).
   std::optional<Refusal> onTracks(const StationTracks& tracks);
 
   /// Of each tracklet that is not used, why.
@@ -47,13 +50,15 @@ class PositionTracker {
   struct NoUse {};
 
   std::optional<Refusal> insert(Item item);
+  std::optional<Refusal> admit(const std::string& tracker, const std::string& sensor);
 
   double max_lag_;
   Timeline<Item, NoUse, PositionScene> items_;
-  PositionScene scene_;           // has taken the items before the timeline's next
-  std::optional<Time> closed_;    // nothing can be put before it
-  std::optional<Time> newest_;    // of all items
-  std::optional<Time> reported_;  // of the newest tracks
+  PositionScene scene_;                                  // has taken the items before the timeline's next
+  std::optional<Time> closed_;                           // nothing can be put before it
+  std::optional<Time> newest_;                           // of all items
+  std::optional<Time> reported_;                         // of the newest tracks
+  std::set<std::pair<std::string, std::string>> names_;  // of trackers and sensors that have been admitted
 };
 
 }  // namespace sightline::core

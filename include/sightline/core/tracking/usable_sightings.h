@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "sightline/core/estimators/estimators.h"
+#include "sightline/core/model/refusal.h"
 #include "sightline/core/model/sighting.h"
 #include "sightline/core/model/track.h"
 
@@ -23,7 +26,11 @@ struct UsableSightings {
   void rejectAll(const std::string& reason);
 };
 
-/// Usable is a finite unit vector with a finite covariance that is not zero, of the first `most` in the scan.
+/// Usable is what `isUsable` says (model/usable_sighting.h), of the first `most` in the scan. What the scan
+/// states of its sensor and cannot be (a probability of 7, a density that is infinite) is not known.
 UsableSightings usableSightings(const Scan& scan, std::size_t most);
+
+/// Why an estimator that weighs sensors by their ifov cannot use a scan; nullopt when it can.
+std::optional<Refusal> whyNotWeighable(const Scan& scan, const EstimatorParams& params);
 
 }  // namespace sightline::core
