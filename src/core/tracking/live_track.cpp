@@ -68,9 +68,10 @@ double logDensityWithJumps(const AngularState& expected, const AngularState& fou
 
 }  // namespace
 
-LiveTrack::LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sighting,
+LiveTrack::LiveTrack(std::uint32_t id, const TrackOrigin& origin, const Scan& scan, const Sighting& sighting,
                      std::unique_ptr<Estimator> estimator, double odds, const RevisitTime& interval)
     : id_(id),
+      origin_(origin),
       estimator_(std::move(estimator), scan, sighting),
       lifecycle_(scan.time, odds),
       last_covariance_(estimator_.chart().covarianceOf(sighting)),
@@ -194,14 +195,16 @@ double LiveTrack::logDensityOfBirth(Time time, double births) const {
          rate_prior::logDensityOfRates(state.rates(), state.covariance.bottomRightCorner<2, 2>());
 }
 
-LiveTrack LiveTrack::branch(std::uint32_t id) const {
+LiveTrack LiveTrack::branch(std::uint32_t id, const TrackOrigin& origin) const {
   LiveTrack branch(*this);
   branch.id_ = id;
+  branch.origin_ = origin;
   return branch;
 }
 
 void LiveTrack::resume(const LiveTrack& lost) {
   id_ = lost.id_;
+  origin_ = lost.origin_;
   lifecycle_.resume(lost.lifecycle_);
 }
 

@@ -39,7 +39,7 @@ TimelineParams timelineParams(const LocalTrackerParams& params) {
 }  // namespace
 
 LocalTracker::LocalTracker(const LocalTrackerParams& params)
-    : params_(params), state_(firstState(Time{}, 1)), scans_(timelineParams(params)) {
+    : params_(params), state_(firstState(Time{}, TrackIds())), scans_(timelineParams(params)) {
   if (params.max_tracks < 1 || params.max_sightings < 1 || !(params.max_lag >= 0.0)) {
     throw std::invalid_argument(
         "LocalTrackerParams: max_tracks and max_sightings >= 1, max_lag >= 0 are required");
@@ -47,9 +47,9 @@ LocalTracker::LocalTracker(const LocalTrackerParams& params)
   makeEstimator(params.estimator);  // refuses what cannot work before the first sighting comes
 }
 
-LocalTracker::State LocalTracker::firstState(Time time, std::uint32_t next_id) const {
+LocalTracker::State LocalTracker::firstState(Time time, const TrackIds& ids) const {
   return {time,
-          next_id,
+          ids,
           {},
           NoiseCalibration(params_.noise_calibration),
           DetectionCalibration(params_.detection),
@@ -70,6 +70,7 @@ ScanReport LocalTracker::onScan(const Scan& scan) {
   result.associations = std::move(usable.decisions);
   result.time = state_.time;
   result.tracks = report();
+  if (!result.tracks.empty()) highest_id_ = std::max(highest_id_, result.tracks.back().id);
   return result;
 }
 
@@ -93,7 +94,8 @@ std::optional<Refusal> LocalTracker::refusalOf(const Scan& scan) const {
 }
 
 void LocalTracker::startAnew(Time time) {
-  state_ = firstState(time, state_.next_id);
+  state_.ids.skip(highest_id_);
+  state_ = firstState(time, state_.ids);
   scans_.clear();
 }
 
@@ -144,10 +146,13 @@ std::vector<Association> LocalTracker::processNext() {
 std::vector<Association> LocalTracker::processAgain(const SensorChange& change) {
   const SensorGuard known = state_.guard;
   std::vector<SensorChange> changes = state_.changes;
+  TrackIds ids = state_.ids;
+  ids.remember(state_.tracks);
   const std::size_t alarm = scans_.next();
   const Time earliest = scans_[alarm].item.time - durationOf(params_.guard.roll_back);
   const std::size_t first = scans_.firstNotBefore(std::max(change.change.began, earliest));
   const std::size_t from = scans_.rollBack(first, state_);
+  state_.ids = std::move(ids);
   for (std::size_t k = first; k <= alarm; ++k) {
     if (scans_[k].item.sensor == change.sensor) scans_.use(k, known.useOf(change.sensor));
   }
@@ -162,6 +167,7 @@ std::vector<Association> LocalTracker::processAgain(const SensorChange& change) 
     if (k < alarm) scans_.advance();
   }
   state_.changes = std::move(changes);
+  state_.ids.forget();
   return decisions;
 }
 
@@ -193,6 +199,8 @@ std::vector<Association> LocalTracker::updateTracks(AssociatedScan& associated) 
   for (const std::uint32_t id : confirmed) reacquire(id, associated);
   startBranches(associated);
   startTracks(associated);
+  std::sort(state_.tracks.begin(), state_.tracks.end(),
+            [](const LiveTrack& a, const LiveTrack& b) { return a.id() < b.id(); });
   deleteDuplicates(associated);
   deleteTracks();
   const bool is_tracking =
@@ -325,14 +333,12 @@ void LocalTracker::reacquire(std::uint32_t id, AssociatedScan& associated) {
     if (decision.track == id) decision.track = fresh->id();
   }
   tracks.erase(likeliest);
-  std::sort(tracks.begin(), tracks.end(),
-            [](const LiveTrack& a, const LiveTrack& b) { return a.id() < b.id(); });
 }
 
 /// Second tracks of targets seen once, for sightings that may be theirs.
 void LocalTracker::startBranches(const AssociatedScan& associated) {
   std::vector<LiveTrack> branches = branchesOf(state_.tracks, associated.used, associated.predictions,
-                                               associated.result, params_.lifecycle, state_.next_id);
+                                               associated.result, params_.lifecycle, state_.ids);
   for (LiveTrack& branch : branches)
     if (state_.tracks.size() < static_cast<std::size_t>(params_.max_tracks))
       state_.tracks.push_back(std::move(branch));
@@ -354,8 +360,10 @@ void LocalTracker::startTracks(AssociatedScan& associated) {
                         " tracks already, it starts none: raise max_tracks";
       continue;
     }
-    const std::uint32_t id = state_.next_id++;
-    state_.tracks.emplace_back(id, scan, scan.sightings[j], makeEstimator(params_.estimator), odds, interval);
+    const TrackOrigin origin{scan.time, scan.sensor, decision.sighting};
+    const std::uint32_t id = state_.ids.idOf(origin);
+    state_.tracks.emplace_back(id, origin, scan, scan.sightings[j], makeEstimator(params_.estimator), odds,
+                               interval);
     decision.track = id;
     decision.decision = Decision::started_track;
   }

@@ -38,7 +38,7 @@ bool isClear(const Scan& scan, const std::vector<LiveTrack>& tracks, double clut
 std::vector<LiveTrack> branchesOf(const std::vector<LiveTrack>& tracks, const Scan& scan,
                                   const std::vector<TrackPrediction>& predictions,
                                   const AssociationResult& result, const LifecycleParams& params,
-                                  std::uint32_t& next_id) {
+                                  TrackIds& ids) {
   std::vector<LiveTrack> branches;
   for (const GatedPair& pair : result.second_looks) {
     const auto i = static_cast<std::size_t>(pair.track), j = static_cast<std::size_t>(pair.sighting);
@@ -48,7 +48,8 @@ std::vector<LiveTrack> branchesOf(const std::vector<LiveTrack>& tracks, const Sc
     if (parent == tracks.end()) continue;
     // The parent has been missed in this scan.
     const double evidence = 1.0 + std::exp(pair.log_ratio) / result.evidence[i];
-    LiveTrack branch = parent->branch(next_id++);
+    const TrackOrigin origin{scan.time, scan.sensor, static_cast<std::uint32_t>(j), parent->id()};
+    LiveTrack branch = parent->branch(ids.idOf(origin), origin);
     branch.update(scan, scan.sightings[j], predictions[i], {}, evidence, params);
     branches.push_back(std::move(branch));
   }

@@ -61,7 +61,7 @@ class Drifting {
  private:
   static LiveTrack makeTrack(std::uint32_t id, double azimuth) {
     const Scan first = scanAt(0.0, {azimuth, 0.1});
-    return LiveTrack(id, first, first.sightings[0], makeEstimator(kalman()), 1e-3, usual());
+    return LiveTrack(id, {}, first, first.sightings[0], makeEstimator(kalman()), 1e-3, usual());
   }
 
   double azimuth_;
@@ -185,7 +185,7 @@ TEST(LiveTrack, FollowsATargetAcrossChartsAndTakesItsSensorsAlong) {
     return scan;
   };
   const Scan first = scanOf(0.0);
-  LiveTrack track(1, first, first.sightings[0], makeEstimator(kalman()), 1e-3, usual());
+  LiveTrack track(1, {}, first, first.sightings[0], makeEstimator(kalman()), 1e-3, usual());
   for (int k = 1; k <= 80; ++k) {
     const Scan scan = scanOf(kInterval * k);
     track.update(scan, scan.sightings[0], track.predict(scan, kSensor, {}, true), {}, 1000.0, {});

@@ -783,5 +783,35 @@ std::vector<EstimatorKind> everyKind() {
 
 INSTANTIATE_TEST_SUITE_P(Estimators, Abuse, testing::ValuesIn(everyKind()));
 
+/// A false sighting in each scan starts a track, so that ids are given all the time, above all in those scans
+/// that an alarm has processed again.
+TEST(LocalTracker, AfterAnAlarmNoTrackHasAnIdThatAnotherOneHad) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> anywhere(-0.3, 0.3);
+  constexpr double kSigma = 1e-3;
+  LocalTracker tracker({});
+  std::set<std::uint32_t> before;
+  int alarms = 0;
+  for (int k = 0; k < 900; ++k) {
+    Scan scan;
+    scan.time = Time{} + durationOf(100.0 + 0.01 * k);
+    scan.sensor = std::string(1, static_cast<char>('a' + k % 4));
+    const double bias = scan.sensor == "d" && k > 450 ? 6.0 : 0.0;
+    scan.sightings = {
+        sightingAt(kSigma * Eigen::Vector2d(normal(random) + bias, normal(random) + bias), kSigma),
+        sightingAt({anywhere(random), anywhere(random)}, kSigma)};
+    const ScanReport report = tracker.onScan(scan);
+    for (const SensorChange& change : report.changes)
+      alarms += change.change.verdict != SensorVerdict::healthy && !change.undecided ? 1 : 0;
+    for (const Track& track : report.tracks) {
+      const bool is_new = track.hits == 1 && track.last_sighting == report.time;
+      ASSERT_FALSE(is_new && before.count(track.id) > 0) << "id " << track.id << ", scan " << k;
+    }
+    for (const Track& track : report.tracks) before.insert(track.id);
+  }
+  EXPECT_GE(alarms, 1);
+}
+
 }  // namespace
 }  // namespace sightline::core

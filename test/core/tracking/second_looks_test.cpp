@@ -21,7 +21,7 @@ Scan lookAt(double time, double azimuth, int sightings = 1) {
 
 LiveTrack seenOnce(std::uint32_t id, double azimuth) {
   const Scan scan = lookAt(0.0, azimuth);
-  return LiveTrack(id, scan, scan.sightings[0], makeEstimator({}), 1.0, {});
+  return LiveTrack(id, {}, scan, scan.sightings[0], makeEstimator({}), 1.0, {});
 }
 
 TrackPrediction at(double azimuth, bool believed, double change_sigma) {
@@ -57,10 +57,11 @@ TEST(SecondLooks, AnUnlikelySecondLookMakesASecondTrackAndLeavesTheFirstAsItIs) 
   ASSERT_EQ(result.sighting_of[0], -1) << "20 rad/s is less likely than a miss and a false sighting";
   ASSERT_EQ(result.second_looks.size(), 1u);
 
-  std::uint32_t next_id = 7;
-  const std::vector<LiveTrack> branches = branchesOf(tracks, scan, predictions, result, {}, next_id);
+  TrackIds ids;
+  ids.skip(6);
+  const std::vector<LiveTrack> branches = branchesOf(tracks, scan, predictions, result, {}, ids);
   ASSERT_EQ(branches.size(), 1u);
-  EXPECT_EQ(next_id, 8u);
+  EXPECT_EQ(ids.idOf({}), 8u);
   EXPECT_EQ(branches[0].id(), 7u);
   EXPECT_EQ(branches[0].lifecycle().hits(), 2u);
   EXPECT_EQ(tracks[0].lifecycle().hits(), 1u);

@@ -13,6 +13,7 @@
 #include "sightline/core/model/sighting.h"
 #include "sightline/core/model/track.h"
 #include "sightline/core/sensors/sensor_guard.h"
+#include "sightline/core/tracking/track_ids.h"
 #include "sightline/core/tracking/track_lifecycle.h"
 #include "sightline/core/tracking/track_sensors.h"
 
@@ -29,12 +30,13 @@ struct ScanSensor {
 /// deep.
 class LiveTrack {
  public:
-  /// A track started from one sighting (tracking frame) of a scan. `odds`: of a new target against a false
-  /// sighting; `interval`: between scans of this sensor.
-  LiveTrack(std::uint32_t id, const Scan& scan, const Sighting& sighting,
+  /// A track started from one sighting (tracking frame) of a scan, `origin`. `odds`: of a new target against
+  /// a false sighting; `interval`: between scans of this sensor.
+  LiveTrack(std::uint32_t id, const TrackOrigin& origin, const Scan& scan, const Sighting& sighting,
             std::unique_ptr<Estimator> estimator, double odds, const RevisitTime& interval);
 
   std::uint32_t id() const { return id_; }
+  const TrackOrigin& origin() const { return origin_; }
   const TrackLifecycle& lifecycle() const { return lifecycle_; }
 
   /// What the track expects to see in a scan. Moves to a new chart when the target leaves the present one.
@@ -61,7 +63,7 @@ class LiveTrack {
   double logDensityOfBirth(Time time, double births) const;
 
   /// A second track of the same sightings, for another hypothesis of which the next one is.
-  LiveTrack branch(std::uint32_t id) const;
+  LiveTrack branch(std::uint32_t id, const TrackOrigin& origin) const;
 
   /// Goes on as the track that a target had before it was lost.
   void resume(const LiveTrack& lost);
@@ -87,6 +89,7 @@ class LiveTrack {
   double gateScale(bool adapt_gate) const;
 
   std::uint32_t id_;
+  TrackOrigin origin_;
   ChartedEstimator estimator_;
   TrackLifecycle lifecycle_;
   TrackSensors sensors_;

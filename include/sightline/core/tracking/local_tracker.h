@@ -83,7 +83,7 @@ class LocalTracker {
   /// Everything that a scan changes.
   struct State {
     Time time{};
-    std::uint32_t next_id = 1;
+    TrackIds ids;
     std::vector<LiveTrack> tracks;  // ascending id
     NoiseCalibration calibration;
     DetectionCalibration detection;
@@ -102,7 +102,7 @@ class LocalTracker {
     std::vector<Corroboration> corroboration;  // for each prediction; empty while the guard is off
   };
 
-  State firstState(Time time, std::uint32_t next_id) const;
+  State firstState(Time time, const TrackIds& ids) const;
   std::optional<Refusal> refusalOf(const Scan& scan) const;
 
   std::vector<Association> putInPlace(const Scan& scan, ScanReport& result);
@@ -131,6 +131,7 @@ class LocalTracker {
   State state_;
   Timeline<Scan, SensorUse, State> scans_;
   SensorChangeReporter reporter_;
+  std::uint32_t highest_id_ = 0;  // reported so far
 };
 
 }  // namespace sightline::core

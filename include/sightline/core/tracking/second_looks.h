@@ -22,10 +22,10 @@ bool isClear(const Scan& scan, const std::vector<LiveTrack>& tracks, double clut
 
 /// Second tracks, (S-95): the second look at a very fast target is told from a miss and a false sighting only
 /// by the third. The tracks that have been seen once go on as missed, and for each sighting that may be
-/// theirs all the same, and is free, there is one more that has taken it. `next_id` is the id of the first.
+/// theirs all the same, and is free, there is one more that has taken it. `ids` gives them theirs.
 std::vector<LiveTrack> branchesOf(const std::vector<LiveTrack>& tracks, const Scan& scan,
                                   const std::vector<TrackPrediction>& predictions,
                                   const AssociationResult& result, const LifecycleParams& params,
-                                  std::uint32_t& next_id);
+                                  TrackIds& ids);
 
 }  // namespace sightline::core
