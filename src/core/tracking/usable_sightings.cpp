@@ -45,8 +45,7 @@ UsableSightings usableSightings(const Scan& scan, std::size_t most) {
     if (!isUsable(scan.sightings[j])) {
       decision.reason =
           "direction is no finite unit vector, or its covariance is none: not finite, indefinite, or of a "
-          "sigma "
-          "outside [1e-12, pi] rad";
+          "sigma outside [1e-12, pi] rad";
     } else if (usable.scan.sightings.size() >= most) {
       decision.reason = "scan has " + std::to_string(scan.sightings.size()) +
                         " sightings, more than max_sightings " + std::to_string(most) +

@@ -103,11 +103,11 @@ TEST_F(TrackerComponent, DuplicateAndLateScansAreDroppedWithTheirReason) {
   EXPECT_EQ(late.refusal->kind, "late");
 }
 
-TEST_F(TrackerComponent, AScanAtWhichTheTrackerFailsIsDroppedAndItGoesOnAsIfItHadNotCome) {
+TEST_F(TrackerComponent, AScanThatItsEstimatorCannotWeighIsRefusedAndItGoesOnAsIfItHadNotCome) {
   XmlRpc::XmlRpcValue values;
   values["estimator"] = std::string("twbls");
   values["twbls"]["form"] = std::string("paper");
-  values["twbls"]["paper"]["sensor_weight"] = std::string("ifov");  // throws without
+  values["twbls"]["paper"]["sensor_weight"] = std::string("ifov");
   const ParamReader reader(values, "/test");
   LocalTrackerComponent with(reader, "with", transforms_), without(reader, "without", transforms_);
   LocalTrackerHealth health(2.0, {0.5, 0.1});
@@ -116,7 +116,7 @@ TEST_F(TrackerComponent, AScanAtWhichTheTrackerFailsIsDroppedAndItGoesOnAsIfItHa
     scan->ifov = ifov;
     return scan;
   };
-  int failed = 0;
+  int refused = 0;
   for (int i = 0; i < 60; ++i) {
     const double stamp = 10.0 + 0.03 * i;
     const auto good = scanOf(stamp, 1e-3);
@@ -132,18 +132,18 @@ TEST_F(TrackerComponent, AScanAtWhichTheTrackerFailsIsDroppedAndItGoesOnAsIfItHa
     const auto bad = with.onScan(scanOf(stamp + 0.01, kNaN), at(stamp + 0.01));
     ASSERT_EQ(bad.size(), 1u);
     ASSERT_TRUE(bad[0].refusal) << "this estimator needs the ifov";
-    EXPECT_EQ(bad[0].refusal->kind, "failed");
+    EXPECT_EQ(bad[0].refusal->kind, "invalid");
     EXPECT_NE(bad[0].refusal->detail.find("ifov"), std::string::npos) << bad[0].refusal->detail;
     EXPECT_FALSE(bad[0].tracks);
     health.note(bad[0]);
-    ++failed;
+    ++refused;
   }
-  EXPECT_EQ(failed, 10);
+  EXPECT_EQ(refused, 10);
   diagnostic_updater::DiagnosticStatusWrapper status;
   health.diagnose(at(11.8), 0, status);
   bool is_counted = false;
   for (const auto& value : status.values)
-    is_counted |= value.key == "scans dropped, failed" && value.value == "10";
+    is_counted |= value.key == "scans dropped, invalid" && value.value == "10";
   EXPECT_TRUE(is_counted);
 }
 
