@@ -3,6 +3,7 @@
 #include "sightline/ros/nodes/flight_recorder_node.h"
 #include "sightline/ros/nodes/local_tracker_node.h"
 #include "sightline/ros/nodes/nodelet_of.h"
+#include "sightline/ros/nodes/position_display_node.h"
 #include "sightline/ros/nodes/position_tracker_node.h"
 #include "sightline/ros/nodes/sensor_simulator_node.h"
 #include "sightline/ros/nodes/track_display_node.h"
@@ -19,6 +20,7 @@ using TruthPublisherNodelet = NodeletOf<TruthPublisherNode>;
 using TrackDisplayNodelet = NodeletOf<TrackDisplayNode>;
 using TrackEvaluatorNodelet = NodeletOf<TrackEvaluatorNode>;
 using TrackFusionNodelet = NodeletOf<TrackFusionNode>;
+using PositionDisplayNodelet = NodeletOf<PositionDisplayNode>;
 using PositionTrackerNodelet = NodeletOf<PositionTrackerNode>;
 
 }  // namespace sightline_ros
@@ -30,4 +32,5 @@ PLUGINLIB_EXPORT_CLASS(sightline_ros::TruthPublisherNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::TrackDisplayNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::TrackEvaluatorNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::TrackFusionNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(sightline_ros::PositionDisplayNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::PositionTrackerNodelet, nodelet::Nodelet)

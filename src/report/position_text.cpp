@@ -48,6 +48,17 @@ std::string positionTable(const std::map<std::string, core::PositionRow>& rows) 
   return alignedTable(errors) + "\n" + alignedTable(lives);
 }
 
+std::string positionSummary(const std::map<std::string, core::PositionRow>& rows) {
+  std::string summary;
+  for (const auto& [topic, row] : rows) {
+    if (row.reports == 0) continue;
+    summary += topic + "  RMSE " + readable(row.all.rmse) + " m, median " + readable(row.all.median) +
+               " m, ANEES " + readable(row.all.anees) + ", coverage " + percent(row.coverage) +
+               ", false tracks " + std::to_string(row.false_tracks) + "\n";
+  }
+  return summary;
+}
+
 void writePositionRows(std::ostream& stream, const std::map<std::string, core::PositionRow>& rows) {
   stream << "topic,reports,samples,rmse_m,median_m,p90_m,p95_m,median_velocity_m_s,anees,alone_samples,"
             "alone_rmse_m,alone_median_m,alone_anees,coverage,breaks,id_changes,tracks,false_tracks,"

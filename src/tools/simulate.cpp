@@ -18,7 +18,8 @@ const char* const kUsage =
     "  SCENARIO    a file of config/scenarios (crowd, for instance), or the path of another one\n"
     "  --seed      seed of all random numbers (default: that of the scenario)\n"
     "  --duration  length [s] (default: that of the scenario; needed when the scenario has no end)\n"
-    "  --sensors   loaded before the scenario (default: config/sensors/six_sensors.yaml)\n"
+    "  --sensors   loaded before the scenario (default: config/sensors/six_sensors.yaml; none before a "
+    "scenario with stations)\n"
     "  --stated    whether scans state their probability of detection and density of clutter (default yes)\n";
 
 void simulate(const std::vector<std::string>& words) {
@@ -27,8 +28,7 @@ void simulate(const std::vector<std::string>& words) {
   const sightline::report::CommandLine line(words, {"--seed", "--duration", "--sensors", "--stated"}, 2, 2);
   SimulatedRecordingParams params;
   params.is_stated = line.yesOrNo("--stated", params.is_stated);
-  const std::vector<std::string> files{line.option("--sensors", sixSensorsFile()),
-                                       scenarioFile(line.arguments()[0])};
+  const std::vector<std::string> files = scenarioFiles(line.arguments()[0], line.option("--sensors", ""));
   ParamReader reader = ParamReader::fromYamlFiles(files);
   if (line.has("--seed")) reader = reader.with("seed", line.wholeNumber("--seed", 0));
   if (line.has("--duration"))

@@ -37,6 +37,13 @@ TEST(PositionText, TableHasTheFiguresAndTheTracksOfOneStationWhereThereAreSome) 
   EXPECT_EQ(sightline::report::positionTable({}), "");
 }
 
+TEST(PositionText, SummaryHasALineForEachTopicThatHasReported) {
+  core::PositionRow silent;
+  const std::string text = sightline::report::positionSummary({{"/p", row()}, {"/q", silent}});
+  EXPECT_EQ(text.find("/p  RMSE 0.5 m"), 0u) << text;
+  EXPECT_EQ(text.find("/q"), std::string::npos) << text;
+}
+
 TEST(PositionText, CsvHasALineForEachTopicAndWhatIsNotKnownIsEmpty) {
   std::ostringstream stream;
   sightline::report::writePositionRows(stream, {{"/p", row()}});

@@ -11,6 +11,9 @@ namespace sightline::report {
 /// The figures of each topic as a table. `rows` by topic.
 std::string positionTable(const std::map<std::string, core::PositionRow>& rows);
 
+/// A line for each topic, for a summary while it runs.
+std::string positionSummary(const std::map<std::string, core::PositionRow>& rows);
+
 /// The same as CSV, a line for each topic; what is not known is empty.
 void writePositionRows(std::ostream& stream, const std::map<std::string, core::PositionRow>& rows);
 

@@ -13,6 +13,7 @@
 namespace sightline::core {
 namespace {
 
+constexpr std::size_t kMostSamples = 1'000'000;  // kept for the quantiles
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// The value below which the share of all lies; NaN of none.
@@ -80,7 +81,7 @@ bool PositionEvaluation::isKnown(Time time) const {
 }
 
 std::vector<PositionEvaluation::Pair> PositionEvaluation::add(Time time,
-                                                              const std::vector<PositionEstimate>& tracks) {
+                                                              const std::vector<EstimatedPosition>& tracks) {
   if (!isKnown(time)) return {};
   std::vector<std::string> names;
   std::vector<PositionTruth> truths;
@@ -117,7 +118,7 @@ std::vector<PositionEvaluation::Pair> PositionEvaluation::add(Time time,
   std::vector<bool> is_covered(truths.size(), false);
   const std::vector<int> partner = assign(distance);
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    const PositionEstimate& track = tracks[i];
+    const EstimatedPosition& track = tracks[i];
     ids_.insert(track.id);
     ++track_reports_;
     if (partner[i] < 0) {
@@ -140,8 +141,7 @@ std::vector<PositionEvaluation::Pair> PositionEvaluation::add(Time time,
     pair.is_alone = track.is_alone;
     for (Sums* sums : {&all_, track.is_alone ? &alone_ : nullptr}) {
       if (sums == nullptr) continue;
-      sums->distances.push_back(pair.error.norm());
-      sums->velocities.push_back((track.velocity - truths[j].velocity).norm());
+      sums->add(pair.error.norm(), (track.velocity - truths[j].velocity).norm());
       if (std::isfinite(pair.nees)) sums->nees.add(pair.nees);
     }
     pairs.push_back(pair);
@@ -157,11 +157,22 @@ std::vector<PositionEvaluation::Pair> PositionEvaluation::add(Time time,
   return pairs;
 }
 
+void PositionEvaluation::Sums::add(double distance, double velocity) {
+  squares.add(distance * distance);
+  if (samples++ % stride != 0) return;
+  distances.push_back(distance);
+  velocities.push_back(velocity);
+  if (distances.size() < kMostSamples) return;
+  for (std::vector<double>* values : {&distances, &velocities}) {
+    for (std::size_t i = 0; 2 * i < values->size(); ++i) (*values)[i] = (*values)[2 * i];
+    values->resize((values->size() + 1) / 2);
+  }
+  stride *= 2;
+}
+
 PositionErrors PositionEvaluation::Sums::errors() const {
   PositionErrors errors;
-  errors.samples = distances.size();
-  RunningMean squares;
-  for (const double d : distances) squares.add(d * d);
+  errors.samples = samples;
   errors.rmse = std::sqrt(squares.mean());
   errors.median = quantile(distances, 0.5);
   errors.p90 = quantile(distances, 0.9);

@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "sightline/core/model/sphere.h"
+#include "sightline/core/simulation/angular_trajectory.h"
+#include "sightline/core/simulation/random_stream.h"
 #include "sightline/core/simulation/turning_integrals.h"
 
 namespace sightline::core {
@@ -133,6 +135,26 @@ SpatialMotion motionAt(const SpatialRoute& route, double time) {
   return {passage.place, passage.rate};
 }
 
+SpatialMotion motionAt(const SpatialOrbit& orbit, double time) {
+  const double angle = orbit.phase + orbit.angular_rate * time;
+  const Eigen::Vector3d outward(std::cos(angle), std::sin(angle), 0.0),
+      tangent(-outward.y(), outward.x(), 0.0);
+  return {orbit.centre + orbit.radius * outward, orbit.radius * orbit.angular_rate * tangent};
+}
+
+SpatialMotion motionAt(const SpatialWhiteAcceleration& path, double time) {
+  // A white acceleration has two channels: x and y are those of one, z is the first of another.
+  const AngularMotion level = motionAt(WhiteAcceleration{seedOf(path.seed, "level"), path.density,
+                                                         path.position.head<2>(), path.velocity.head<2>()},
+                                       time);
+  const AngularMotion up = motionAt(
+      WhiteAcceleration{
+          seedOf(path.seed, "up"), path.density, {path.position.z(), 0.0}, {path.velocity.z(), 0.0}},
+      time);
+  return {{level.angles.x(), level.angles.y(), up.angles.x()},
+          {level.rates.x(), level.rates.y(), up.rates.x()}};
+}
+
 std::optional<Refusal> refusalOf(const StraightFlight& flight) {
   if (!flight.position.allFinite() || !flight.velocity.allFinite()) {
     return Refusal{"flight", "position and velocity of a straight flight must be finite"};
@@ -165,6 +187,26 @@ std::optional<Refusal> refusalOf(const Boost& boost) {
   why << "the first stage does not lift off: its thrust pushes up with " << lift
       << " m/s^2 against gravity's " << kGravity << " m/s^2; raise its acceleration or its elevation_start";
   return Refusal{"boost", why.str()};
+}
+
+std::optional<Refusal> refusalOf(const SpatialOrbit& orbit) {
+  const bool is_finite =
+      orbit.centre.allFinite() && std::isfinite(orbit.angular_rate) && std::isfinite(orbit.phase);
+  if (orbit.radius > 0.0 && is_finite) return std::nullopt;
+  std::ostringstream why;
+  why << "an orbit needs a radius above 0 m and a finite centre, angular rate and phase, got a radius of "
+      << orbit.radius << " m";
+  return Refusal{"orbit", why.str()};
+}
+
+std::optional<Refusal> refusalOf(const SpatialWhiteAcceleration& path) {
+  std::ostringstream why;
+  if (!(path.density >= 0.0 && std::isfinite(path.density))) {
+    why << "the density of a white acceleration must be at least 0 m^2/s^3, got " << path.density;
+    return Refusal{"white acceleration", why.str()};
+  }
+  if (path.position.allFinite() && path.velocity.allFinite()) return std::nullopt;
+  return Refusal{"white acceleration", "position and velocity of a white acceleration must be finite"};
 }
 
 }  // namespace sightline::core

@@ -59,6 +59,15 @@ Sighting measured(const SimulatedSensor& sensor, const Eigen::Vector2d& angles) 
   return sightingOf(on_sphere, covariance);
 }
 
+/// By which what the sensor sees is turned in its own frame: its station's misorientation.
+Eigen::Matrix3d turnOf(const Scenario& scenario, const SimulatedSensor& sensor,
+                       const PlatformState& carrier) {
+  const Station* station = stationOf(scenario, sensor);
+  if (station == nullptr || station->misorientation.isZero(0.0)) return Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d R_world_sensor = carrier.R_world_platform * R_platform_sensor(sensor);
+  return R_world_sensor.transpose() * rotationOf(station->misorientation) * R_world_sensor;
+}
+
 /// Ascending azimuth: the order of the sightings does not give their origin away.
 void sortByAzimuth(SimulatedScan& simulated) {
   const std::vector<Sighting> sightings = simulated.scan.sightings;
@@ -111,7 +120,8 @@ std::optional<Duration> SensorSimulator::nextExposure() {
 SimulatedScan SensorSimulator::scanAt(Duration since_start) {
   SimulatedScan simulated;
   Scan& scan = simulated.scan;
-  scan.time = start_ + since_start;
+  const Station* station = stationOf(scenario_, sensor_);
+  scan.time = start_ + (station != nullptr ? clockAt(*station, since_start) : since_start);
   scan.sensor = sensor_.name;
   scan.ifov = sensor_.ifov;
   scan.detection_probability = sensor_.detection_probability;
@@ -120,12 +130,13 @@ SimulatedScan SensorSimulator::scanAt(Duration since_start) {
   addTargets(simulated, seconds(since_start));
   addClutter(simulated);
   sortByAzimuth(simulated);
-  publishAfterLatency(simulated);
+  publishAfterLatency(simulated, start_ + since_start);
   return simulated;
 }
 
 void SensorSimulator::addTargets(SimulatedScan& simulated, double time) {
-  const PlatformState platform = platformAt(scenario_.platform, time);
+  const PlatformState platform = carrierAt(scenario_, sensor_, time);
+  const Eigen::Matrix3d turn = turnOf(scenario_, sensor_, platform);
   const Degradation errors = errorsAt(sensor_, time);
   for (std::size_t i = 0; i < scenario_.targets.size(); ++i) {
     // Drawn at each exposure, seen or not, so that the n-th exposure has the same draws whatever else
@@ -134,8 +145,10 @@ void SensorSimulator::addTargets(SimulatedScan& simulated, double time) {
     const bool detected = target_streams_[i].detection.uniform() < sensor_.detection_probability;  // (S-84)
     const Target& target = scenario_.targets[i];
     const auto direction = directionFromSensor(sensor_, platform, target, time);
-    if (!detected || !direction || !isVisible(target, time) || !inView(sensor_, *direction)) continue;
-    const Eigen::Vector2d angles = anglesOf(*direction);
+    if (!detected || !direction || !isVisible(target, time)) continue;
+    const Eigen::Vector3d seen = turn * *direction;
+    if (!inView(sensor_, seen) || isHidden(scenario_, sensor_, target, time)) continue;
+    const Eigen::Vector2d angles = anglesOf(seen);
     const Eigen::Vector2d sigma = errors.sigma_scale * statedSigma(sensor_, angles);
     simulated.scan.sightings.push_back(measured(sensor_, angles + errors.bias + sigma.cwiseProduct(draw)));
     simulated.origins.push_back(target.id);
@@ -153,9 +166,9 @@ void SensorSimulator::addClutter(SimulatedScan& simulated) {
   }
 }
 
-void SensorSimulator::publishAfterLatency(SimulatedScan& simulated) {
+void SensorSimulator::publishAfterLatency(SimulatedScan& simulated, Time exposure) {
   const double delay = sensor_.latency + sensor_.latency_jitter * latency_.uniform();
-  last_publish_time_ = std::max(last_publish_time_, simulated.scan.time + durationOf(delay));
+  last_publish_time_ = std::max(last_publish_time_, exposure + durationOf(delay));
   simulated.publish_time = last_publish_time_;
 }
 

@@ -31,6 +31,14 @@ std::optional<Eigen::Vector3d> directionFrom(const Eigen::Vector3d& point, const
   return line_of_sight.normalized();
 }
 
+std::optional<SpatialMotion> inSpace(const AngularMotion& /*motion*/) {
+  return std::nullopt;
+}
+
+std::optional<SpatialMotion> inSpace(const SpatialMotion& motion) {
+  return motion;
+}
+
 }  // namespace
 
 std::optional<AngularState> stateSeenFrom(const PlatformState& platform, const Trajectory& trajectory,
@@ -41,6 +49,10 @@ std::optional<AngularState> stateSeenFrom(const PlatformState& platform, const T
 std::optional<Eigen::Vector3d> directionSeenFrom(const Eigen::Vector3d& point, const Trajectory& trajectory,
                                                  double time) {
   return std::visit([&](const auto& kind) { return directionFrom(point, motionAt(kind, time)); }, trajectory);
+}
+
+std::optional<SpatialMotion> positionAt(const Trajectory& trajectory, double time) {
+  return std::visit([&](const auto& kind) { return inSpace(motionAt(kind, time)); }, trajectory);
 }
 
 std::optional<Refusal> refusalOf(const Trajectory& trajectory) {

@@ -193,6 +193,7 @@ void PositionTrackerComponent::takeTracks(const sightline::TrackArray& local, Po
   for (const sightline::Track& row : local.tracks) {
     const core::Track track = sightline_ros::toCore(row);
     if (const auto why = core::rejectionOf(track.state)) {
+      if (track.status == core::TrackStatus::tentative) continue;  // it says nothing yet
       result.refusals.push_back(aboutTrack(*why, local.tracker, row.id));
       continue;
     }

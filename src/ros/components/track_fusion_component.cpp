@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
+#include <cmath>
 #include <limits>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -21,6 +23,7 @@ namespace {
 
 constexpr double kDefaultMaxFuture = 0.1;        // [s]
 constexpr std::size_t kMostFailuresInARow = 20;  // before all tracks are given up
+constexpr double kDefaultMaxBaseline = 10.0;     // [m]
 const char* const kDefaultTrackingFrame = "platform_enu";
 
 std::string nameFrom(const ParamReader& reader, const std::string& fallback) {
@@ -95,6 +98,27 @@ sightline::SensorHealth toMessage(const core::SensorChange& said) {
   return message;
 }
 
+std::vector<std::string> sensorsOf(const sightline::TrackArray& local) {
+  std::set<std::string> sensors;
+  for (const sightline::Track& track : local.tracks)
+    sensors.insert(track.sources.begin(), track.sources.end());
+  return {sensors.begin(), sensors.end()};
+}
+
+std::vector<std::string> sensorsOf(const sightline::TrackletArray& local) {
+  std::set<std::string> sensors;
+  for (const sightline::Tracklet& tracklet : local.tracklets) sensors.insert(tracklet.sensor);
+  return {sensors.begin(), sensors.end()};
+}
+
+/// Of the elevations of a report's tracks [rad]; 0 without tracks.
+double smallestSigma(const sightline::TrackArray& local) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const sightline::Track& track : local.tracks)
+    if (track.covariance[5] > 0.0) smallest = std::min(smallest, std::sqrt(track.covariance[5]));
+  return std::isfinite(smallest) ? smallest : 0.0;
+}
+
 core::LocalReport toCore(const sightline::TrackArray& message) {
   core::LocalReport report{message.tracker, sightline_ros::toCore(message.header.stamp), {}};
   report.tracks.reserve(message.tracks.size());
@@ -104,13 +128,21 @@ core::LocalReport toCore(const sightline::TrackArray& message) {
 
 }  // namespace
 
-TrackFusionComponent::TrackFusionComponent(const ParamReader& reader, const std::string& name)
+TrackFusionComponent::TrackFusionComponent(const ParamReader& reader, const std::string& name,
+                                           const tf2::BufferCore* transforms)
     : name_(nameFrom(reader, name)),
       tracking_frame_(reader.text("tracking_frame", kDefaultTrackingFrame)),
       max_future_(reader.number("max_future", kDefaultMaxFuture, atLeast(0.0), "s")),
       params_(loadTrackFusionParams(reader)),
       fusion_(core::TrackFusion(params_), handle, sizeOf),
       latest_(std::make_shared<core::FusionReport>()) {
+  const double max_baseline = reader.number("max_baseline", kDefaultMaxBaseline, atLeast(0.0), "m");
+  const ParamReader frames = reader.sub("sensor_frames");
+  if (transforms != nullptr) places_.emplace(max_baseline, *transforms);
+  for (const std::string& sensor : frames.keys()) {
+    const std::string frame = frames.requiredText(sensor);
+    if (places_) places_->setFrame(sensor, frame);
+  }
   if (tracking_frame_.empty()) throw reader.error("tracking_frame", "expected the name of a frame, got \"\"");
 }
 
@@ -118,6 +150,10 @@ FusionResult TrackFusionComponent::onTracks(const sightline::TrackArray& local, 
                                             core::Time now) {
   if (const auto refusal = refusalOf(local.tracker, local.header, topic, origins_, now))
     return refused(local, *refusal);
+  if (places_) {
+    if (const auto apart = places_->take(local.tracker, sensorsOf(local), smallestSigma(local)))
+      return refused(local, *apart);
+  }
   const auto arrival = now == core::Time{} ? std::nullopt : std::make_optional(now);
   auto answer = fusion_.take(Arrival{toCore(local), arrival});
   if (!answer) return refused(local, failed(local.tracker));
@@ -136,6 +172,9 @@ FusionResult TrackFusionComponent::onTracks(const sightline::TrackArray& local, 
 std::optional<core::Refusal> TrackFusionComponent::onTracklets(const sightline::TrackletArray& local,
                                                                const std::string& topic, core::Time now) {
   if (auto refusal = refusalOf(local.tracker, local.header, topic, tracklet_origins_, now)) return refusal;
+  if (places_) {
+    if (auto apart = places_->take(local.tracker, sensorsOf(local), 0.0)) return apart;
+  }
   ReadTracklets read = readTracklets(local);
   const auto answer = fusion_.take(std::move(read.report));
   if (!answer) return failed(local.tracker);
@@ -195,7 +234,10 @@ std::optional<core::Refusal> TrackFusionComponent::refusalOf(const std::string& 
   }
   if (header.frame_id != tracking_frame_) {
     why << "what comes from \"" << tracker << "\" are in \"" << header.frame_id << "\", not in \""
-        << tracking_frame_ << "\" (tracking_frame); directions from another origin cannot be fused";
+        << tracking_frame_
+        << "\" (tracking_frame); directions from another origin cannot be fused: use position_tracker for "
+           "stations "
+           "that stand apart";
     return core::Refusal{"frame", why.str()};
   }
   if (now != core::Time{} && ahead > max_future_) {

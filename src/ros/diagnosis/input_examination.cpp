@@ -178,7 +178,7 @@ std::vector<Finding> InputExamination::findings(const tf2::BufferCore& transform
   findTransforms(transforms, tracking_frame, found);
   findScatter(found);
   findStarts(found);
-  findSeparateViews(found);
+  if (!limits.stand_apart) findSeparateViews(found);
   return found;
 }
 

@@ -44,6 +44,16 @@ core::TrackReport reportOf(const sightline::TrackArray& tracks) {
   return report;
 }
 
+std::vector<core::EstimatedPosition> estimatesOf(const core::PositionTrackArray& positions) {
+  std::vector<core::EstimatedPosition> estimates;
+  for (const core::PositionTrack& track : positions.tracks) {
+    if (track.status == core::TrackStatus::tentative) continue;
+    estimates.push_back({track.id, track.position, track.velocity, track.covariance.topLeftCorner<3, 3>(),
+                         track.parallax == 0.0});
+  }
+  return estimates;
+}
+
 bool isFused(const sightline::TrackArray& tracks) {
   return !core::isEstimatorName(tracks.estimator);
 }

@@ -60,21 +60,6 @@ std::string topicOfChannel(const std::string& channel) {
   return topic;
 }
 
-std::vector<FieldOfView> loadFieldsOfView(const ParamReader& reader) {
-  std::vector<FieldOfView> views;
-  for (const ParamReader& entry : reader.list("fields_of_view")) {
-    FieldOfView view;
-    view.sensor = entry.requiredText("sensor");
-    view.frame = entry.text("frame", view.sensor);
-    view.half_width.x() =
-        entry.requiredNumber("azimuth_half_width", between(0.0, sightline::core::kPi), "rad");
-    view.half_width.y() =
-        entry.requiredNumber("elevation_half_width", between(0.0, sightline::core::kPi / 2.0), "rad");
-    views.push_back(view);
-  }
-  return views;
-}
-
 }  // namespace
 
 TrackDisplayParams::TrackDisplayParams()
@@ -109,6 +94,21 @@ TrackDisplayParams loadTrackDisplayParams(const ParamReader& reader) {
   params.fields_of_view = loadFieldsOfView(reader);
   canvas.lifetime = ros::Duration(std::max(0.5, 3.0 / params.rate));
   return params;
+}
+
+std::vector<FieldOfView> loadFieldsOfView(const ParamReader& reader) {
+  std::vector<FieldOfView> views;
+  for (const ParamReader& entry : reader.list("fields_of_view")) {
+    FieldOfView view;
+    view.sensor = entry.requiredText("sensor");
+    view.frame = entry.text("frame", view.sensor);
+    view.half_width.x() =
+        entry.requiredNumber("azimuth_half_width", between(0.0, sightline::core::kPi), "rad");
+    view.half_width.y() =
+        entry.requiredNumber("elevation_half_width", between(0.0, sightline::core::kPi / 2.0), "rad");
+    views.push_back(view);
+  }
+  return views;
 }
 
 std::vector<FieldOfView> fieldsOfView(const sightline::core::Scenario& scenario) {

@@ -11,9 +11,12 @@
 
 #include "sightline/report/evaluation_text.h"
 #include "sightline/report/output_file.h"
+#include "sightline/report/position_text.h"
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/evaluation_messages.h"
+#include "sightline/ros/messages/position_messages.h"
+#include "sightline/ros/messages/scenario_messages.h"
 #include "sightline/ros/nodes/this_node.h"
 #include "sightline/ros/params/evaluation_params.h"
 
@@ -80,6 +83,13 @@ TrackEvaluatorParams loadTrackEvaluatorParams(const ParamReader& reader) {
   params.frames.attitude = loadAttitudeParams(reader, params.frames.attitude);
   params.sighting_topics = reader.texts("sighting_topics", params.sighting_topics);
   params.track_topics = reader.texts("track_topics", params.track_topics);
+  params.position_topics = reader.texts("position_topics", params.position_topics);
+  const ParamReader positions = reader.sub("positions");
+  params.positions.gospa_cutoff =
+      positions.number("gospa_cutoff", params.positions.gospa_cutoff, above(0.0), "m");
+  params.positions.match_sigmas =
+      positions.number("match_sigmas", params.positions.match_sigmas, atLeast(0.0));
+  params.positions.settle = params.evaluation.settle_time;
   params.live = reader.flag("live", params.live);
   params.duration = reader.number("duration", params.duration, atLeast(0.0), "s");
   params.table_file = reader.text("table_file", params.table_file);
@@ -87,7 +97,11 @@ TrackEvaluatorParams loadTrackEvaluatorParams(const ParamReader& reader) {
 }
 
 TrackEvaluatorNode::TrackEvaluatorNode(ros::NodeHandle nh, ros::NodeHandle pnh)
-    : nh_(nh), guard_(nameOfNode(pnh)), params_(loadAll(ParamReader(pnh))), evaluation_(params_.evaluation) {
+    : nh_(nh),
+      guard_(nameOfNode(pnh)),
+      params_(loadAll(ParamReader(pnh))),
+      evaluation_(params_.evaluation),
+      position_scores_(params_.positions, params_.evaluation.truth_gap) {
   publisher_ = nh_.advertise<sightline::Evaluation>("/evaluation", 10, true);
   transform_subscriber_.emplace(nh_, transforms_, guard_("/tf", [this] { releaseScans(); }));
   subscribe();
@@ -123,6 +137,20 @@ void TrackEvaluatorNode::subscribe() {
     subscribers_.push_back(
         nh_.subscribe<sightline::TrackArray>(name, kQueue, take, ros::VoidConstPtr(), promptly));
   }
+  for (const std::string& name : params_.position_topics) {
+    const std::string topic = nh_.resolveName(name);
+    const boost::function<void(const sightline::PositionTrackArray::ConstPtr&)> take =
+        guard_(topic, [this, topic](const sightline::PositionTrackArray::ConstPtr& positions) {
+          onPositions(topic, *positions);
+        });
+    subscribers_.push_back(
+        nh_.subscribe<sightline::PositionTrackArray>(name, kQueue, take, ros::VoidConstPtr(), promptly));
+  }
+  const boost::function<void(const sightline::PositionTrackArray::ConstPtr&)> take_positions =
+      guard_(kPositionTruthTopic,
+             [this](const sightline::PositionTrackArray::ConstPtr& truth) { onPositionTruth(*truth); });
+  subscribers_.push_back(nh_.subscribe<sightline::PositionTrackArray>(
+      kPositionTruthTopic, kQueue, take_positions, ros::VoidConstPtr(), promptly));
   const boost::function<void(const sightline::TrackArray::ConstPtr&)> take =
       guard_("/truth", [this](const sightline::TrackArray::ConstPtr& truth) { onTruth(*truth); });
   subscribers_.push_back(
@@ -144,6 +172,26 @@ void TrackEvaluatorNode::onTracks(const std::string& topic, const sightline::Tra
   if (!isInTrackingFrame(topic, tracks.header.frame_id)) return;
   evaluation_.addTracks(topic, reportOf(tracks));
   if (!truth_span_) endAfterDuration(track_span_, toCore(tracks.header.stamp));
+}
+
+void TrackEvaluatorNode::onPositionTruth(const sightline::PositionTrackArray& truth) {
+  position_frame_ = truth.header.frame_id;
+  const core::PositionTrackArray positions = toCore(truth);
+  for (const core::PositionTrack& track : positions.tracks)
+    position_scores_.addTruth(positions.time, std::to_string(track.id), track.position);
+}
+
+void TrackEvaluatorNode::onPositions(const std::string& topic,
+                                     const sightline::PositionTrackArray& positions) {
+  if (!position_frame_.empty() && positions.header.frame_id != position_frame_) {
+    drop(topic, {"another frame", "it is in frame \"" + positions.header.frame_id +
+                                      "\" and the true positions in \"" + position_frame_ +
+                                      "\": give the position tracker that one as tracking_frame"});
+    return;
+  }
+  const core::PositionTrackArray tracks = toCore(positions);
+  if (!position_scores_.addTracks(topic, tracks.time, estimatesOf(tracks)))
+    drop(topic, {"late", "it is older than positions that are already scored"});
 }
 
 void TrackEvaluatorNode::releaseScans() {
@@ -188,6 +236,10 @@ void TrackEvaluatorNode::endAfterDuration(std::optional<Span>& span, core::Time 
       true);
 }
 
+bool TrackEvaluatorNode::hasDirections() const {
+  return !params_.sighting_topics.empty() || !params_.track_topics.empty();
+}
+
 double TrackEvaluatorNode::elapsed() const {
   const std::optional<Span>& span = truth_span_ ? truth_span_ : track_span_;
   return span ? core::seconds(span->last - span->first) : 0.0;
@@ -201,7 +253,10 @@ void TrackEvaluatorNode::everySecond() {
 }
 
 void TrackEvaluatorNode::printLive() {
-  const std::string summary = report::liveSummary(evaluation_.rows(), evaluation_.bestSigma(), elapsed());
+  const std::string summary =
+      (hasDirections() ? report::liveSummary(evaluation_.rows(), evaluation_.bestSigma(), elapsed())
+                       : report::readable(elapsed()) + " s\n") +
+      report::positionSummary(position_scores_.rows());
   if (isatty(STDOUT_FILENO) != 0) {
     if (live_lines_ > 0) std::cout << "\033[" << live_lines_ << "A\033[J";  // over the last one
     live_lines_ = static_cast<int>(std::count(summary.begin(), summary.end(), '\n'));
@@ -209,21 +264,23 @@ void TrackEvaluatorNode::printLive() {
   std::cout << summary << std::flush;
 }
 
-std::string TrackEvaluatorNode::table() const {
+std::string TrackEvaluatorNode::table() {
   const std::vector<core::EvaluationRow> rows = evaluation_.rows();
   const std::vector<core::TargetRow> targets = evaluation_.targetRows();
   report::EvaluationTableStyle style;
   style.gospa = haveSeveralTargets(targets);
   std::ostringstream table;
-  table << "\nEvaluation of " << report::readable(elapsed()) << " s\n"
-        << report::evaluationTable(rows, evaluation_.bestSigma(), style) << report::livesTable(rows)
-        << (style.gospa ? report::targetTable(targets) : "");
+  table << "\nEvaluation of " << report::readable(elapsed()) << " s\n";
+  if (hasDirections())
+    table << report::evaluationTable(rows, evaluation_.bestSigma(), style) << report::livesTable(rows)
+          << (style.gospa ? report::targetTable(targets) : "");
+  table << report::positionTable(position_scores_.rows());
   for (const auto& [reason, count] : dropped_)
     table << "dropped " << count << " messages on " << reason << "\n";
   return table.str();
 }
 
-void TrackEvaluatorNode::printTable() const {
+void TrackEvaluatorNode::printTable() {
   const std::string text = table();
   if (!params_.table_file.empty()) {
     try {

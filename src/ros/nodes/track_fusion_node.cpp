@@ -22,7 +22,8 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
                                  const ParamReader& reader)
     : nh_(nh),
       guard_(nameOfNode(pnh)),
-      component_(reader, nameOfNode(pnh)),
+      transform_subscriber_(nh_, transforms_, [] {}),
+      component_(reader, nameOfNode(pnh), &transforms_),
       topics_(trackTopicsFrom(reader, nh)),
       tracklet_topics_(trackletTopicsFrom(reader, nh, topics_)),
       health_(topics_, TrackFusionHealth::silenceFrom(reader)) {
@@ -30,6 +31,7 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
 
   diagnostics_.emplace(nh, pnh, "fusion", [this](auto& status, double) {
     health_.diagnose(clockNow(), status);
+    status.addf("largest distance of sensors [m]", "%.1f", component_.places()->spread());
     guard_.diagnose(status);
   });
   tracks_ = nh_.advertise<sightline::TrackArray>("fusion/tracks", kQueue);

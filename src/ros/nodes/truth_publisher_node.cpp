@@ -1,6 +1,7 @@
 #include "sightline/ros/nodes/truth_publisher_node.h"
 
 #include <ros/console.h>
+#include <sightline/PositionTrackArray.h>
 #include <sightline/TrackArray.h>
 #include <std_msgs/Time.h>
 
@@ -34,7 +35,6 @@ TruthPublisherNode::TruthPublisherNode(const ros::NodeHandle& nh, const ros::Nod
 TruthPublisherNode::TruthPublisherNode(ros::NodeHandle nh, const ros::NodeHandle& pnh,
                                        const ParamReader& reader)
     : scenario_(loadScenario(ParamReader(ros::NodeHandle("/scenario")))),
-      platform_is_fixed_(isFixed(scenario_.platform)),
       start_delay_(reader.number("start_delay", kDefaultStartDelay, atLeast(0.0), "s")),
       start_(loadStartTime(reader)),
       instants_(everyPeriod(reader.number("rate", kDefaultRate, Range{0.0, 1e4, true, false}, "Hz")), 0),
@@ -42,12 +42,11 @@ TruthPublisherNode::TruthPublisherNode(ros::NodeHandle nh, const ros::NodeHandle
   reader.finish();
   start_publisher_ = nh.advertise<std_msgs::Time>("/scenario/start", 1, true);
   truth_ = nh.advertise<sightline::TrackArray>("/truth", kQueue);
-  if (platform_is_fixed_) {
-    publishPlatform(0.0, ros::Time::now());
-    repetition_ =
-        nh.createWallTimer(ros::WallDuration(kSecondsBetweenStaticTransforms),
-                           [this](const ros::WallTimerEvent&) { publishPlatform(0.0, ros::Time::now()); });
-  }
+  if (!scenario_.stations.empty())
+    position_truth_ = nh.advertise<sightline::PositionTrackArray>(kPositionTruthTopic, kQueue);
+  publishFixedTransforms();
+  repetition_ = nh.createWallTimer(ros::WallDuration(kSecondsBetweenStaticTransforms),
+                                   [this](const ros::WallTimerEvent&) { publishFixedTransforms(); });
   pacer_.wake();
 }
 
@@ -58,7 +57,8 @@ std::optional<ros::Time> TruthPublisherNode::onPace(const ros::Time& now) {
     if (stamp > now) return stamp;
     if ((now - stamp).toSec() > kLongestBacklog) continue;
     publishTruth(core::seconds(upcoming_), stamp);
-    if (!platform_is_fixed_) publishPlatform(core::seconds(upcoming_), stamp);
+    const auto transforms = movingTransforms(scenario_, core::seconds(upcoming_), stamp);
+    if (!transforms.empty()) transforms_.sendTransform(transforms);
   }
   ROS_INFO("the scenario is over");
   return std::nullopt;
@@ -77,14 +77,12 @@ void TruthPublisherNode::begin(const ros::Time& now) {
 
 void TruthPublisherNode::publishTruth(double time, const ros::Time& stamp) {
   truth_.publish(truthMessage(scenario_, time, stamp));
+  if (position_truth_) position_truth_.publish(positionTruthMessage(scenario_, time, stamp));
 }
 
-void TruthPublisherNode::publishPlatform(double time, const ros::Time& stamp) {
-  const auto transforms = platformTransforms(scenario_, time, stamp);
-  if (platform_is_fixed_)
-    static_transforms_.sendTransform(transforms);
-  else
-    transforms_.sendTransform(transforms);
+void TruthPublisherNode::publishFixedTransforms() {
+  const auto transforms = fixedTransforms(scenario_, ros::Time::now());
+  if (!transforms.empty()) static_transforms_.sendTransform(transforms);
 }
 
 }  // namespace sightline_ros

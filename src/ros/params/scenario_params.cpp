@@ -116,13 +116,12 @@ core::SimulatedSensor loadSensor(const SensorReader& reader) {
   return sensor;
 }
 
-/// A sensor's name is also that of its frame and part of its topics.
-void checkName(const ParamReader& sensors, const std::string& name) {
+/// The name of a sensor or station is also that of its frame, and a sensor's part of its topics.
+void checkName(const ParamReader& parent, const std::string& name, const std::string& whose) {
   const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
   const bool fits = letters.find(name[0]) != std::string::npos &&
                     name.find_first_not_of(letters + "0123456789_") == std::string::npos;
-  if (!fits)
-    throw sensors.error(name, "a sensor's name must consist of letters, digits and _, a letter first");
+  if (!fits) throw parent.error(name, whose + " name must consist of letters, digits and _, a letter first");
 }
 
 std::vector<core::SimulatedSensor> loadSensors(const ParamReader& reader) {
@@ -130,7 +129,7 @@ std::vector<core::SimulatedSensor> loadSensors(const ParamReader& reader) {
   const ParamReader sensors = reader.sub("sensors"), groups = reader.sub("groups");
   std::vector<core::SimulatedSensor> loaded;
   for (const std::string& name : sensors.keys()) {
-    checkName(sensors, name);
+    checkName(sensors, name, "a sensor's");
     const ParamReader own = sensors.sub(name);
     const std::string group = own.text("group", "");
     const ParamReader shared =
@@ -138,10 +137,42 @@ std::vector<core::SimulatedSensor> loadSensors(const ParamReader& reader) {
     const SensorReader both(own, shared);
     core::SimulatedSensor sensor = loadSensor(both);
     sensor.name = name;
+    sensor.station = both.text("station", "");
     sensor.sequence = both.text("sequence", synchronous_groups ? group : "");
     loaded.push_back(sensor);
   }
   return loaded;
+}
+
+std::vector<core::Station> loadStations(const ParamReader& stations) {
+  std::vector<core::Station> loaded;
+  for (const std::string& name : stations.keys()) {
+    checkName(stations, name, "a station's");
+    const ParamReader reader = stations.sub(name);
+    core::Station station;
+    station.name = name;
+    station.motion = loadPlatformMotion(reader);
+    station.misorientation =
+        loadTriple(reader, "misorientation", station.misorientation, between(-core::kPi, core::kPi), "rad");
+    station.clock_behind = reader.number("clock_behind", station.clock_behind, anyNumber(), "s");
+    station.clock_drift = reader.number("clock_drift", station.clock_drift, between(-0.01, 0.01));
+    loaded.push_back(station);
+  }
+  return loaded;
+}
+
+std::vector<core::Obstacle> loadObstacles(const ParamReader& reader) {
+  std::vector<core::Obstacle> obstacles;
+  for (const ParamReader& entry : reader.list("obstacles")) {
+    core::Obstacle obstacle;
+    entry.requiredNumbers("low", anyNumber(), "m");
+    entry.requiredNumbers("high", anyNumber(), "m");
+    obstacle.low = loadTriple(entry, "low", obstacle.low, anyNumber(), "m");
+    obstacle.high = loadTriple(entry, "high", obstacle.high, anyNumber(), "m");
+    if (const auto refusal = core::refusalOf(obstacle)) throw entry.error("high", refusal->detail);
+    obstacles.push_back(obstacle);
+  }
+  return obstacles;
 }
 
 /// `place` in the list, from 1, is the id unless another is given.
@@ -177,6 +208,8 @@ core::Scenario loadScenario(const ParamReader& reader) {
   scenario.seed = static_cast<std::uint64_t>(reader.integer("seed", 1, 0, kLargest));
   scenario.duration = loadEnd(reader, "duration");
   scenario.platform = loadPlatformMotion(reader.sub("platform"));
+  scenario.stations = loadStations(reader.sub("stations"));
+  scenario.obstacles = loadObstacles(reader);
   scenario.targets = loadTargets(reader, scenario.seed);
   scenario.sensors = loadSensors(reader);
   reader.finish();

@@ -73,7 +73,16 @@ core::Trajectory weave(const ParamReader& reader) {
   return weave;
 }
 
+/// In metres when a position is given, else in angles.
 core::Trajectory whiteAcceleration(const ParamReader& reader, std::uint64_t seed) {
+  if (reader.has("position")) {
+    core::SpatialWhiteAcceleration path;
+    path.seed = seed;
+    path.density = reader.number("density", path.density, atLeast(0.0), "m^2/s^3");
+    path.position = triple(reader, "position", path.position, "m");
+    path.velocity = triple(reader, "velocity", path.velocity, "m/s");
+    return path;
+  }
   core::WhiteAcceleration path;
   path.seed = seed;
   path.density = reader.number("density", path.density, atLeast(0.0), "rad^2/s^3");
@@ -87,6 +96,15 @@ core::Trajectory flight(const ParamReader& reader) {
   flight.position = triple(reader, "position", flight.position, "m");
   flight.velocity = triple(reader, "velocity", flight.velocity, "m/s");
   return flight;
+}
+
+core::Trajectory circle(const ParamReader& reader) {
+  core::SpatialOrbit orbit;
+  orbit.centre = triple(reader, "centre", orbit.centre, "m");
+  orbit.radius = reader.number("radius", orbit.radius, above(0.0), "m");
+  orbit.angular_rate = reader.number("angular_rate", orbit.angular_rate, anyNumber(), "rad/s");
+  orbit.phase = reader.number("phase", orbit.phase, anyNumber(), "rad");
+  return orbit;
 }
 
 core::Trajectory zenithPass(const ParamReader& reader) {
@@ -189,6 +207,7 @@ core::Trajectory loadTrajectory(const ParamReader& reader, std::uint64_t seed) {
       {"white_acceleration", [seed](const ParamReader& r) { return whiteAcceleration(r, seed); }},
       {"waypoints", waypoints},
       {"flight", flight},
+      {"orbit", circle},
       {"zenith_pass", zenithPass},
       {"boost", boost}};
   const std::string kind = reader.choice("trajectory", "sinusoid", namesOf(kinds));

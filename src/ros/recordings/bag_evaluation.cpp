@@ -22,6 +22,7 @@
 #include "sightline/report/residual_text.h"
 #include "sightline/report/score_files.h"
 #include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/messages/evaluation_messages.h"
 #include "sightline/ros/messages/position_messages.h"
 #include "sightline/ros/recordings/bags.h"
 #include "sightline/ros/recordings/recorded_positions.h"
@@ -191,23 +192,16 @@ std::string evaluate(const rosbag::Bag& bag, const BagEvaluationSettings& settin
          (findings.empty() ? "" : "Inputs:\n" + findings);
 }
 
-std::vector<core::PositionEstimate> estimatesOf(const core::PositionTrackArray& array) {
-  std::vector<core::PositionEstimate> estimates;
-  for (const core::PositionTrack& track : array.tracks) {
-    if (track.status == core::TrackStatus::tentative) continue;
-    estimates.push_back({track.id, track.position, track.velocity, track.covariance.topLeftCorner<3, 3>(),
-                         track.parallax == 0.0});
-  }
-  return estimates;
-}
-
 /// Positions in metres. Of several reports at one time the last counts.
 std::string evaluatePositions(const rosbag::Bag& bag, const std::string& file,
                               const BagEvaluationSettings& settings) {
-  const auto truth = positionTruthFromCsv(settings.truth, bag, settings.evaluation.truth_gap);
-  std::map<std::string, std::map<core::Time, std::vector<core::PositionEstimate>>> reports;  // by topic
+  const double gap = settings.evaluation.truth_gap;
+  const auto truth = isPositionTopic(settings.truth, bag) ? positionTruthFromTopic(settings.truth, bag, gap)
+                                                          : positionTruthFromCsv(settings.truth, bag, gap);
+  std::map<std::string, std::map<core::Time, std::vector<core::EstimatedPosition>>> reports;  // by topic
   rosbag::View view(bag, rosbag::TypeQuery(ros::message_traits::datatype<sightline::PositionTrackArray>()));
   for (const rosbag::MessageInstance& instance : view) {
+    if (instance.getTopic() == settings.truth) continue;
     const core::PositionTrackArray array = toCore(*messageOf<sightline::PositionTrackArray>(instance));
     reports[instance.getTopic()][array.time] = estimatesOf(array);
   }
@@ -251,7 +245,8 @@ std::string evaluatePositions(const rosbag::Bag& bag, const std::string& file,
 
 std::string evaluateBag(const std::string& file, const BagEvaluationSettings& settings) {
   const auto bag = openBag(file);
-  if (std::filesystem::is_regular_file(settings.truth) && isPositionTruth(settings.truth))
+  const bool is_file = std::filesystem::is_regular_file(settings.truth);
+  if (is_file ? isPositionTruth(settings.truth) : isPositionTopic(settings.truth, *bag))
     return evaluatePositions(*bag, file, settings);
   if (settings.csv.empty()) return evaluate(*bag, settings, {});
   const std::vector<std::string> inputs{file, settings.truth};

@@ -6,10 +6,12 @@
 
 #include <rosbag/view.h>
 #include <sensor_msgs/NavSatFix.h>
+#include <sightline/PositionTrackArray.h>
 
 #include "sightline/core/model/sphere.h"
 #include "sightline/formats/geodesy.h"
 #include "sightline/report/csv_table.h"
+#include "sightline/ros/messages/position_messages.h"
 #include "sightline/ros/recordings/station_frames.h"
 
 namespace sightline_ros {
@@ -75,6 +77,25 @@ std::map<std::string, core::TruePath> positionTruthFromCsv(const std::string& pa
     }
     const std::string target = table.has("target") ? table.text(row, "target") : "1";
     paths.try_emplace(target, gap).first->second.add(table.time(row, "time"), position);
+  }
+  return paths;
+}
+
+bool isPositionTopic(const std::string& topic, const rosbag::Bag& bag) {
+  rosbag::View view(bag, rosbag::TopicQuery(topic));
+  return view.size() > 0 && view.begin()->isType<sightline::PositionTrackArray>();
+}
+
+std::map<std::string, core::TruePath> positionTruthFromTopic(const std::string& topic, const rosbag::Bag& bag,
+                                                             double gap) {
+  std::map<std::string, core::TruePath> paths;
+  rosbag::View view(bag, rosbag::TopicQuery(topic));
+  for (const rosbag::MessageInstance& instance : view) {
+    const auto message = instance.instantiate<sightline::PositionTrackArray>();
+    if (!message) continue;
+    const core::PositionTrackArray truth = toCore(*message);
+    for (const core::PositionTrack& track : truth.tracks)
+      paths.try_emplace(std::to_string(track.id), gap).first->second.add(truth.time, track.position);
   }
   return paths;
 }

@@ -8,6 +8,7 @@
 
 #include "sightline/core/model/time.h"
 #include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/recordings/recorded_stations.h"
 #include "sightline/ros/recordings/recorded_transforms.h"
 #include "sightline/ros/recordings/recording_reader.h"
 
@@ -68,7 +69,9 @@ RecordingExamination examineRecording(const rosbag::Bag& bag, const RecordingExa
   }
   if (first) result.seconds = (*last - *first).toSec();
   if (!first) result.findings.push_back(missingSightings());
-  for (Finding& finding : result.inputs.findings(transforms.buffer(), result.tracking_frame, params.limits))
+  InputLimits limits = params.limits;
+  limits.stand_apart = recordedStationsOf(bag, params.metric_frame).standApart();
+  for (Finding& finding : result.inputs.findings(transforms.buffer(), result.tracking_frame, limits))
     result.findings.push_back(std::move(finding));
   return result;
 }

@@ -112,9 +112,11 @@ Replay::Replay(const rosbag::Bag& in, const RecordingSurvey& survey, rosbag::Bag
       arrivals_(survey.arrivals),
       output_(out, summary_),
       transforms_(in, is_live_ ? KnownTransforms::up_to_time : KnownTransforms::one_further),
-      fusion_(fusionSectionOf(config, settings), "fusion"),
+      fusion_(fusionSectionOf(config, settings), "fusion", &transforms_.buffer()),
       positions_(config.sub("position_tracker"), "positions", transforms_.buffer()) {
   const RecordedStations found = recordedStationsOf(in, positions_.trackingFrame());
+  for (const RecordedStation& station : found.stations)
+    for (const std::string& sensor : station.sensors) fusion_.places()->setFrame(sensor, station.frame);
   has_positions_ = settings.positions.value_or(found.standApart());
   if (has_positions_)
     addStations(found, survey.sensors, config, settings);
@@ -210,7 +212,9 @@ ReplaySummary Replay::run(const rosbag::Bag& in) {
     if (!due.restart) break;
   }
   sendOverdueTracklets(core::Time::max());
-  summary_.findings = examination_.findings(transforms_.buffer(), commonFrame(), InputLimits{});
+  InputLimits limits;
+  limits.stand_apart = has_positions_;
+  summary_.findings = examination_.findings(transforms_.buffer(), commonFrame(), limits);
   return summary_;
 }
 

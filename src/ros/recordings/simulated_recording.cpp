@@ -15,6 +15,7 @@
 #include "sightline/core/simulation/sensor_simulator.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/scenario_messages.h"
+#include "sightline/ros/params/param_reader.h"
 #include "sightline/ros/recordings/bags.h"
 
 namespace sightline_ros {
@@ -104,8 +105,7 @@ core::Time Simulation::timeOf(long beat) const {
 
 void Simulation::writeStaticTransforms() {
   const ros::Time time = toRos(params_.start - core::durationOf(kLead));
-  std::vector<geometry_msgs::TransformStamped> transforms;
-  if (isFixed(scenario_.platform)) transforms = platformTransforms(scenario_, 0.0, time);
+  std::vector<geometry_msgs::TransformStamped> transforms = fixedTransforms(scenario_, time);
   for (const core::SimulatedSensor& sensor : scenario_.sensors)
     transforms.push_back(mountTransform(sensor, time));
   // Latched, as a broadcaster's: a tracker that starts after the player must hear of them.
@@ -115,10 +115,12 @@ void Simulation::writeStaticTransforms() {
 void Simulation::writeBeat(long beat) {
   const ros::Time stamp = toRos(timeOf(beat));
   const double time = static_cast<double>(beat) / params_.rate;
-  if (!isFixed(scenario_.platform))
-    bag_.write("/tf", stamp, messageOf(platformTransforms(scenario_, time, stamp)));
+  auto transforms = movingTransforms(scenario_, time, stamp);
+  if (!transforms.empty()) bag_.write("/tf", stamp, messageOf(std::move(transforms)));
   if (beat < 0) return;
   bag_.write("/truth", stamp, truthMessage(scenario_, time, stamp));
+  if (!scenario_.stations.empty())
+    bag_.write(kPositionTruthTopic, stamp, positionTruthMessage(scenario_, time, stamp));
   ++summary_.truths;
 }
 
@@ -154,8 +156,11 @@ std::string scenarioFile(const std::string& name) {
   throw std::runtime_error("there is no scenario " + file.string() + "; the package has " + all);
 }
 
-std::string sixSensorsFile() {
-  return fs::path(ros::package::getPath("sightline")) / "config/sensors/six_sensors.yaml";
+std::vector<std::string> scenarioFiles(const std::string& name, const std::string& sensors) {
+  const std::string file = scenarioFile(name);
+  if (!sensors.empty()) return {sensors, file};
+  if (ParamReader::fromYaml(file).has("stations")) return {file};
+  return {fs::path(ros::package::getPath("sightline")) / "config/sensors/six_sensors.yaml", file};
 }
 
 }  // namespace sightline_ros

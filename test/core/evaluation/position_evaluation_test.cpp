@@ -32,8 +32,8 @@ std::map<std::string, TruePath> onCircle(double gap_from = 20.0, double gap_to =
   return paths;
 }
 
-PositionEstimate estimate(std::uint32_t id, const Vector& position, double sigma = 1.0) {
-  PositionEstimate it;
+EstimatedPosition estimate(std::uint32_t id, const Vector& position, double sigma = 1.0) {
+  EstimatedPosition it;
   it.id = id;
   it.position = position;
   it.covariance = sigma * sigma * Eigen::Matrix3d::Identity();
@@ -66,7 +66,7 @@ TEST(PositionEvaluation, FiguresAreThoseOfKnownErrors) {
   std::normal_distribution<double> normal;
   for (int i = 0; i <= 1000; ++i) {
     const double a = normal(random), b = normal(random), c = normal(random);
-    PositionEstimate track = estimate(1, circle(0.01 * i) + 0.5 * Vector(a, b, c), 0.5);
+    EstimatedPosition track = estimate(1, circle(0.01 * i) + 0.5 * Vector(a, b, c), 0.5);
     track.velocity = Vector(-20.0 * std::sin(0.01 * i), 20.0 * std::cos(0.01 * i), 3.0);
     evaluation.add(at(0.01 * i), {track});
   }
@@ -91,7 +91,7 @@ TEST(PositionEvaluation, BreaksIdChangesAndGhostsAreCounted) {
   PositionEvaluation evaluation(truth, {});
   for (int i = 0; i <= 100; ++i) {
     const double t = 0.1 * i;
-    std::vector<PositionEstimate> tracks;
+    std::vector<EstimatedPosition> tracks;
     if (i < 40) tracks.push_back(estimate(1, circle(t)));
     if (i >= 50) tracks.push_back(estimate(2, circle(t)));
     if (i >= 80) tracks.push_back(estimate(3, circle(t) + Vector(0.0, 0.0, 100.0)));
@@ -113,7 +113,7 @@ TEST(PositionEvaluation, ATargetThatGoesBreaksNoTrackAndTimesWithoutTruthAreNotS
   PositionEvaluation evaluation(truth, {});
   for (int i = 0; i <= 120; ++i) {
     const double t = 0.1 * i;
-    std::vector<PositionEstimate> tracks;
+    std::vector<EstimatedPosition> tracks;
     if (t < 4.01 || t > 6.15) tracks.push_back(estimate(1, circle(t)));
     evaluation.add(at(t), tracks);
   }
@@ -126,7 +126,7 @@ TEST(PositionEvaluation, ATargetThatGoesBreaksNoTrackAndTimesWithoutTruthAreNotS
 TEST(PositionEvaluation, FarButHonestTrackOfOneStationIsItsTargetsAndCountedApart) {
   const auto truth = onCircle();
   PositionEvaluation evaluation(truth, {});
-  PositionEstimate track = estimate(1, circle(1.0) + Vector(15.0, 0.0, 0.0), 1.0);
+  EstimatedPosition track = estimate(1, circle(1.0) + Vector(15.0, 0.0, 0.0), 1.0);
   EXPECT_TRUE(evaluation.add(at(1.0), {track}).empty()) << "15 m off at a claimed metre";
   track.covariance(0, 0) = 100.0;
   track.is_alone = true;

@@ -110,5 +110,37 @@ TEST(ZenithPass, FaultsAreNamed) {
   EXPECT_NE(textOf(refusalOf(pass).value()).find("altitude"), std::string::npos);
 }
 
+TEST(SpatialOrbit, KeepsItsRadiusAndItsSpeed) {
+  const SpatialOrbit orbit{{10.0, 20.0, 30.0}, 25.0, -0.4, 1.0};
+  for (const double time : {0.0, 3.0, 100.0}) {
+    const SpatialMotion motion = motionAt(orbit, time);
+    EXPECT_NEAR((motion.position - orbit.centre).norm(), 25.0, 1e-12);
+    EXPECT_NEAR(motion.velocity.norm(), 10.0, 1e-12);
+    const double h = 1e-5;
+    const Eigen::Vector3d slope =
+        (motionAt(orbit, time + h).position - motionAt(orbit, time - h).position) / (2.0 * h);
+    EXPECT_LT((motion.velocity - slope).norm(), 1e-6);
+  }
+  EXPECT_TRUE(refusalOf(SpatialOrbit{{0.0, 0.0, 0.0}, 0.0, 1.0, 0.0}));
+}
+
+TEST(SpatialWhiteAcceleration, HasTheDensityOnEachAxisAndIsDrawnByItsSeed) {
+  // The variance of a velocity after 4 s is 4 q.
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  constexpr int kPaths = 400;
+  SpatialWhiteAcceleration path;
+  path.velocity = {1.0, -2.0, 0.5};
+  path.density = 0.5;
+  for (int i = 0; i < kPaths; ++i) {
+    path.seed = static_cast<std::uint64_t>(i);
+    squares += (motionAt(path, 4.0).velocity - path.velocity).cwiseAbs2();
+  }
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(squares(axis) / kPaths, 2.0, 0.45) << axis;
+  EXPECT_EQ(motionAt(path, 4.0).position, motionAt(path, 4.0).position);
+  EXPECT_EQ(motionAt(path, 0.0).position, path.position);
+  path.density = -1.0;
+  EXPECT_NE(textOf(refusalOf(path).value()).find("density"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace sightline::core

@@ -124,5 +124,48 @@ TEST(Scenario, SensorsOfOneSequenceMustHaveOneTiming) {
   EXPECT_NE(textOf(refusalOf(scenario).value()).find("the same timing"), std::string::npos);
 }
 
+/// A camera on a station that looks along x, with a target 100 m in front of it.
+Scenario oneStation() {
+  Scenario scenario;
+  scenario.stations = {{"shore", FixedPlatform{{10.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}}};
+  scenario.sensors = {sensorCalled("camera")};
+  scenario.sensors[0].station = "shore";
+  Target target;
+  target.trajectory = StraightFlight{{110.0, 0.0, 0.0}, {0.0, 5.0, 0.0}};
+  scenario.targets = {target};
+  return scenario;
+}
+
+TEST(Scenario, SensorOfAStationIsWhereTheStationIs) {
+  const Scenario scenario = oneStation();
+  EXPECT_FALSE(refusalOf(scenario));
+  EXPECT_EQ(carrierAt(scenario, scenario.sensors[0], 0.0).position.x(), 10.0);
+  EXPECT_EQ(stationOf(scenario, sensorCalled("other")), nullptr);
+  EXPECT_EQ(positionTruthAt(scenario.targets[0], 2.0)->position.y(), 10.0);
+  EXPECT_FALSE(positionTruthAt(paper().targets[0], 2.0)) << "given in angles";
+}
+
+TEST(Scenario, ObstacleHidesATargetFromASensorButNotAFarOneInAngles) {
+  Scenario scenario = oneStation();
+  EXPECT_FALSE(isHidden(scenario, scenario.sensors[0], scenario.targets[0], 0.0));
+  scenario.obstacles = {{{50.0, -1.0, -1.0}, {51.0, 1.0, 1.0}}};
+  EXPECT_TRUE(isHidden(scenario, scenario.sensors[0], scenario.targets[0], 0.0));
+  EXPECT_FALSE(isHidden(scenario, scenario.sensors[0], scenario.targets[0], 10.0)) << "50 m to the side";
+  EXPECT_FALSE(isHidden(scenario, scenario.sensors[0], paper().targets[0], 0.0));
+}
+
+TEST(Scenario, FaultsOfStationsAreNamed) {
+  Scenario scenario = oneStation();
+  scenario.sensors[0].station = "ship";
+  EXPECT_NE(textOf(refusalOf(scenario).value()).find("sensor camera: it is on the station \"ship\""),
+            std::string::npos);
+  scenario = oneStation();
+  scenario.stations[0].name = "platform";
+  EXPECT_NE(textOf(refusalOf(scenario).value()).find("station platform"), std::string::npos);
+  scenario = oneStation();
+  scenario.obstacles = {Obstacle{}};
+  EXPECT_NE(textOf(refusalOf(scenario).value()).find("corner"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace sightline::core

@@ -531,5 +531,61 @@ TEST(SensorSimulator, FaultyScenarioIsRefused) {
   EXPECT_THROW(SensorSimulator(scenario, "tracking_1", kStart), std::invalid_argument);
 }
 
+/// A camera called "eye" on a station, with a target 1 km along its boresight.
+Scenario stationBefore(const Station& station) {
+  Scenario scenario;
+  scenario.stations = {station};
+  scenario.sensors = {sensorCalled("eye")};
+  scenario.sensors[0].station = station.name;
+  scenario.sensors[0].sigma = {1e-6, 1e-6};
+  Target target;
+  target.trajectory = StraightFlight{{1000.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  scenario.targets = {target};
+  return scenario;
+}
+
+TEST(SensorSimulator, StampsOfAStationAreItsClocksAndItsScansAreNoEarlier) {
+  Station station{"shore", FixedPlatform{}};
+  const auto right = scansOfEye(stationBefore(station), 50);
+  station.clock_behind = 0.05;
+  station.clock_drift = 0.001;
+  const auto behind = scansOfEye(stationBefore(station), 50);
+  ASSERT_EQ(right.size(), behind.size());
+  for (std::size_t i = 0; i < right.size(); ++i) {
+    const double late = seconds(right[i].scan.time - behind[i].scan.time);
+    EXPECT_NEAR(late, 0.05 + 0.001 * seconds(right[i].scan.time - kStart), 1e-9);
+    EXPECT_EQ(right[i].publish_time, behind[i].publish_time);
+  }
+}
+
+TEST(SensorSimulator, MisorientationTurnsWhatAStationSeesAboutTheAxesOfTheWorld) {
+  Station station{"shore", FixedPlatform{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.4}}};
+  station.misorientation = {0.0, 0.0, 0.01};
+  Scenario scenario = stationBefore(station);
+  const auto scans = scansOfEye(scenario, 20);
+  EXPECT_LT(meanOf(errorsAgainst(scans, {-0.4 + 0.01, 0.0})).norm(), 1e-6);
+  // One about the line of sight turns nothing, one about the horizontal across it moves the target down.
+  station.misorientation = {0.02, 0.0, 0.0};
+  EXPECT_LT(meanOf(errorsAgainst(scansOfEye(stationBefore(station), 20), {-0.4, 0.0})).norm(), 1e-6);
+  station.misorientation = {0.0, 0.02, 0.0};
+  EXPECT_NEAR(meanOf(errorsAgainst(scansOfEye(stationBefore(station), 20), {-0.4, 0.0})).y(), -0.02, 1e-6);
+}
+
+TEST(SensorSimulator, WhatAnObstacleHidesGivesNoSighting) {
+  Scenario scenario = stationBefore({"shore", FixedPlatform{}});
+  scenario.obstacles = {{{500.0, -1.0, -1.0}, {501.0, 1.0, 1.0}}};
+  for (const SimulatedScan& scan : scansOfEye(scenario, 20)) EXPECT_TRUE(scan.scan.sightings.empty());
+}
+
+TEST(SensorSimulator, StationThatMovesSeesFromWhereItIs) {
+  Scenario scenario = stationBefore({"ship", StraightPlatform{{0.0, -100.0, 0.0}, {0.0, 100.0, 0.0}}});
+  scenario.sensors[0].mount_attitude = {0.0, 0.0, -kPi / 2.0};  // to starboard
+  for (const SimulatedScan& scan : scansOfEye(scenario, 40)) {
+    const double y = -100.0 + 100.0 * seconds(scan.scan.time - kStart);
+    ASSERT_EQ(scan.scan.sightings.size(), 1U);
+    EXPECT_NEAR(anglesOf(scan.scan.sightings[0].direction).x(), std::atan2(-y, 1000.0), 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace sightline::core

@@ -104,5 +104,12 @@ TEST(StraightFlight, HasNoDirectionAtThePlatformItself) {
   EXPECT_TRUE(stateSeenFrom(PlatformState{}, flight, 1.0));
 }
 
+TEST(Trajectory, InAnglesHasNoPlaceInSpaceAndOneInMetresHas) {
+  EXPECT_FALSE(positionAt(AngularLine{}, 1.0));
+  const auto motion = positionAt(StraightFlight{{1.0, 2.0, 3.0}, {0.0, 10.0, 0.0}}, 2.0);
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(motion->position, Eigen::Vector3d(1.0, 22.0, 3.0));
+}
+
 }  // namespace
 }  // namespace sightline::core

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <geometry_msgs/TransformStamped.h>
+
 #include "sightline/ros/components/track_fusion_health.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/params/track_fusion_params.h"
@@ -502,6 +504,38 @@ TEST_F(FusionComponent, WarningsOfOneKindComeAtMostEveryFiveSeconds) {
   EXPECT_NE(lines[0].find("covariance is zero"), std::string::npos) << lines[0];
   EXPECT_NE(lines[0].find("track 7 of \"a\""), std::string::npos) << lines[0];
   EXPECT_NE(lines[1].find("(50 new, 51 in all)"), std::string::npos) << lines[1];
+}
+
+TEST(TrackFusionComponent, TrackerWhoseSensorStandsApartIsRefusedInTheReportAndNotFused) {
+  tf2::BufferCore transforms;
+  for (const auto& [frame, x] : std::vector<std::pair<std::string, double>>{{"west", 0.0}, {"east", 80.0}}) {
+    geometry_msgs::TransformStamped transform;
+    transform.header.frame_id = "world";
+    transform.child_frame_id = frame;
+    transform.transform.translation.x = x;
+    transform.transform.rotation.w = 1.0;
+    transforms.setTransform(transform, "test", true);
+  }
+  const ScratchFolder folder;
+  const ParamReader reader = ParamReader::fromYaml(folder.write(
+      "params.yaml", "max_baseline: 20.0\nsensor_frames: {sensor of a: west, sensor of b: east}\n"));
+  TrackFusionComponent component(reader, "fusion", &transforms);
+  reader.finish();
+  EXPECT_FALSE(component.onTracks(tracksOf("a", 1.0), "/a/tracks", at(1.0)).refusal);
+  const FusionResult result = component.onTracks(tracksOf("b", 1.0), "/b/tracks", at(1.0));
+  EXPECT_EQ(kindOf(result.refusal), "apart");
+  ASSERT_EQ(result.report->left_out.size(), 1u);
+  EXPECT_NE(result.report->left_out[0].reason.find("position_tracker"), std::string::npos);
+  EXPECT_FALSE(result.tracks);
+
+  sightline::TrackletArray tracklets;
+  tracklets.header.stamp = ros::Time(1.0);
+  tracklets.header.frame_id = "platform_enu";
+  tracklets.tracker = "b";
+  tracklets.tracklets.resize(1);
+  tracklets.tracklets[0].sensor = "sensor of b";
+  EXPECT_EQ(kindOf(component.onTracklets(tracklets, "/b/tracklets", at(1.0))), "apart");
+  EXPECT_NEAR(component.places()->spread(), 80.0, 1e-9);
 }
 
 }  // namespace

@@ -326,6 +326,14 @@ TEST_F(Examination, ASensorThatLooksElsewhere) {
   EXPECT_TRUE(findings().at(0).is_note) << "it may be meant to";
 }
 
+TEST_F(Examination, SensorsThatStandApartNeedNotLookTheSameWay) {
+  EXPECT_TRUE(saysOfTheThird([](int, SightingArray& scan, double&) { scan.sightings[0].azimuth += 2.5; },
+                             {"from anything that the other sensors see"}));
+  InputLimits limits;
+  limits.stand_apart = true;
+  EXPECT_TRUE(examination_.findings(transforms_, "platform_enu", limits).empty());
+}
+
 TEST_F(Examination, OneNameOnTwoTopics) {
   look("a");
   look("b");

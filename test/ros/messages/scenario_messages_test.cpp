@@ -59,4 +59,44 @@ TEST(ScenarioMessages, OnlyAFixedPlatformIsFixed) {
   EXPECT_FALSE(sightline_ros::isFixed(core::StraightPlatform{}));
 }
 
+core::Scenario ofTwoStations() {
+  core::Scenario two = scenario();
+  two.targets[0].trajectory = core::StraightFlight{{1.0, 2.0, 3.0}, {0.0, 4.0, 0.0}};
+  two.stations = {{"shore", core::FixedPlatform{{7.0, 0.0, 0.0}, {0.0, 0.0, 1.0}}},
+                  {"ship", core::StraightPlatform{}}};
+  return two;
+}
+
+TEST(ScenarioMessages, TruePositionsAreThoseOfTargetsInMetres) {
+  const auto truth = sightline_ros::positionTruthMessage(ofTwoStations(), 6.0, ros::Time(106.0));
+  EXPECT_EQ(truth.header.frame_id, "world");
+  EXPECT_EQ(truth.tracker, "truth");
+  ASSERT_EQ(truth.tracks.size(), 1u);
+  EXPECT_EQ(truth.tracks[0].id, 2u);
+  EXPECT_EQ(truth.tracks[0].status, sightline::PositionTrack::CONFIRMED);
+  EXPECT_EQ(truth.tracks[0].position.y, 26.0);
+  EXPECT_EQ(truth.tracks[0].velocity.y, 4.0);
+}
+
+TEST(ScenarioMessages, StationsThatStandAndThoseThatMoveHaveTheirTransforms) {
+  const auto fixed = sightline_ros::fixedTransforms(ofTwoStations(), ros::Time(100.0));
+  ASSERT_EQ(fixed.size(), 4u);
+  EXPECT_EQ(fixed[2].child_frame_id, "shore");
+  EXPECT_NEAR(fixed[2].transform.rotation.z, std::sin(0.5), 1e-12);
+  EXPECT_EQ(fixed[3].child_frame_id, "shore_enu");
+  EXPECT_EQ(fixed[3].transform.rotation.w, 1.0);
+  EXPECT_EQ(fixed[3].transform.translation.x, 7.0);
+  const auto moving = sightline_ros::movingTransforms(ofTwoStations(), 2.0, ros::Time(102.0));
+  ASSERT_EQ(moving.size(), 2u);
+  EXPECT_EQ(moving[1].child_frame_id, "ship_enu");
+  EXPECT_EQ(moving[1].transform.translation.x, 10.0);
+}
+
+TEST(ScenarioMessages, SensorOfAStationIsMountedOnIt) {
+  core::SimulatedSensor sensor;
+  sensor.name = "eye";
+  sensor.station = "ship";
+  EXPECT_EQ(sightline_ros::mountTransform(sensor, ros::Time(1.0)).header.frame_id, "ship");
+}
+
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include <ros/ros.h>
 #include <sightline/Evaluation.h>
+#include <sightline/PositionTrackArray.h>
 #include <sightline/SightingArray.h>
 #include <sightline/TrackArray.h>
 #include <tf2_msgs/TFMessage.h>
@@ -69,13 +70,16 @@ class SyntheticRun {
     fused_ = nh_.advertise<sightline::TrackArray>("/fusion/tracks", 1000);
     level_ = nh_.advertise<sightline::SightingArray>("/sensors/level/sightings", 1000);
     tilted_ = nh_.advertise<sightline::SightingArray>("/sensors/tilted/sightings", 1000);
+    position_truth_ = nh_.advertise<sightline::PositionTrackArray>("/truth/positions", 1000);
+    positions_ = nh_.advertise<sightline::PositionTrackArray>("/positions/tracks", 1000);
     frames_ = nh_.advertise<tf2_msgs::TFMessage>("/tf_static", 10, true);
     frames_.publish(sensorFrames());
   }
 
   bool waitForListeners(std::uint32_t count) const {
     return eventually([&] {
-      for (const ros::Publisher& publisher : {truth_, local_, fused_, level_, tilted_, frames_}) {
+      for (const ros::Publisher& publisher :
+           {truth_, local_, fused_, level_, tilted_, position_truth_, positions_, frames_}) {
         if (publisher.getNumSubscribers() < count) return false;
       }
       return true;
@@ -129,13 +133,29 @@ class SyntheticRun {
     tilted.header.stamp = stamp;
     tilted_.publish(tilted);
 
+    position_truth_.publish(position(t, 0.0, stamp));
+    positions_.publish(position(t, 0.75, stamp));
     tracks.tracker = tracks.estimator = "truth";
     tracks.tracks = {track(1, truth, 0.0)};
     truth_.publish(tracks);
   }
 
+  /// A target that flies along y, with an error along x [m].
+  static sightline::PositionTrackArray position(double t, double error, const ros::Time& stamp) {
+    sightline::PositionTrackArray message;
+    message.header.frame_id = "world";
+    message.header.stamp = stamp;
+    message.tracks.resize(1);
+    message.tracks[0].id = 4;
+    message.tracks[0].status = sightline::PositionTrack::CONFIRMED;
+    message.tracks[0].position.x = error;
+    message.tracks[0].position.y = 10.0 * t;
+    for (std::size_t i = 0; i < 6; ++i) message.tracks[0].covariance[7 * i] = 0.25;
+    return message;
+  }
+
   ros::NodeHandle nh_;
-  ros::Publisher truth_, local_, fused_, level_, tilted_, frames_;
+  ros::Publisher truth_, local_, fused_, level_, tilted_, position_truth_, positions_, frames_;
 };
 
 /// A second evaluator that the test starts and ends itself, with what it prints.
@@ -287,6 +307,9 @@ TEST_F(TrackEvaluator, EndsByItselfAfterItsDurationWithTheTable) {
   EXPECT_EQ(child.exitCode(), 0);
   EXPECT_NE(child.text().find("/sensors/level/tracks"), std::string::npos) << child.text();
   EXPECT_NE(child.text().find("0.003536"), std::string::npos) << child.text();  // 0.005 / sqrt(2)
+  const std::size_t positions = child.text().find("/positions/tracks");
+  ASSERT_NE(positions, std::string::npos) << child.text();
+  EXPECT_NE(child.text().find("0.75", positions), std::string::npos) << child.text();
 }
 
 TEST_F(TrackEvaluator, ShowsASummaryWhileItRunsAndTheTableAfterCtrlC) {

@@ -27,11 +27,18 @@ core::Scenario shipped(const std::string& name) {
   return loadScenario(ParamReader::fromYamlFiles({kSixSensors, kConfig / "scenarios" / (name + ".yaml")}));
 }
 
-std::vector<std::string> namesOfShipped() {
+/// Those of the six sensors, or those that have stations and sensors themselves.
+std::vector<std::string> namesOfShipped(bool with_stations = false) {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(kConfig / "scenarios"))
-    names.push_back(entry.path().stem());
+  for (const auto& entry : fs::directory_iterator(kConfig / "scenarios")) {
+    if (ParamReader::fromYaml(entry.path()).has("stations") == with_stations)
+      names.push_back(entry.path().stem());
+  }
   return names;
+}
+
+core::Scenario shippedWithStations(const std::string& name) {
+  return loadScenario(ParamReader::fromYaml(kConfig / "scenarios" / (name + ".yaml")));
 }
 
 core::Scenario loadText(const std::string& yaml) {
@@ -111,6 +118,52 @@ TEST(ScenarioParams, EveryTargetOfAShippedScenarioIsSeenByMostSensors) {
           << name << ", target " << scenario.targets[i].id;
     }
   }
+}
+
+TEST(ScenarioParams, EveryShippedScenarioOfStationsHasItsSensorsOnThemAndTargetsInMetres) {
+  const auto names = namesOfShipped(true);
+  EXPECT_GE(names.size(), 6U);
+  for (const std::string& name : names) {
+    SCOPED_TRACE(name);
+    core::Scenario scenario;
+    ASSERT_NO_THROW(scenario = shippedWithStations(name));
+    EXPECT_GE(scenario.stations.size(), 2U);
+    for (const core::SimulatedSensor& sensor : scenario.sensors)
+      EXPECT_NE(core::stationOf(scenario, sensor), nullptr) << sensor.name;
+    for (const core::Target& target : scenario.targets)
+      EXPECT_TRUE(core::positionAt(target.trajectory, 1.0)) << target.id;
+  }
+}
+
+TEST(ScenarioParams, EveryTargetOfAShippedScenarioOfStationsIsSeenByTwoOfThem) {
+  for (const std::string& name : namesOfShipped(true)) {
+    const core::Scenario scenario = shippedWithStations(name);
+    std::vector<double> in_view(scenario.targets.size());  // sensors' worth of sightings
+    for (const core::SimulatedSensor& sensor : scenario.sensors) {
+      const std::vector<double> shares = sharesInView(scenario, sensor, 30.0);
+      for (std::size_t i = 0; i < shares.size(); ++i) in_view[i] += shares[i];
+    }
+    for (std::size_t i = 0; i < in_view.size(); ++i)
+      EXPECT_GE(in_view[i], 1.8) << name << ", target " << scenario.targets[i].id;
+  }
+}
+
+TEST(ScenarioParams, StationsAndObstaclesAreReadWithTheirErrors) {
+  const core::Scenario scenario = shippedWithStations("stations_field");
+  ASSERT_EQ(scenario.stations.size(), 4U);
+  EXPECT_EQ(scenario.stations[1].name, "station_2");
+  EXPECT_EQ(scenario.stations[1].clock_behind, 0.003);
+  EXPECT_EQ(scenario.stations[1].clock_drift, 2e-6);
+  EXPECT_EQ(scenario.stations[2].misorientation, Eigen::Vector3d(0.0002, 0.0, 0.0004));
+  EXPECT_EQ(core::platformAt(scenario.stations[3].motion, 0.0).position, Eigen::Vector3d(-25.0, 110.0, 6.0));
+  ASSERT_EQ(scenario.obstacles.size(), 1U);
+  EXPECT_EQ(scenario.obstacles[0].high.z(), 18.0);
+  EXPECT_NE(refusalOf("targets: []\nsensors: {a: {station: ship}}").find("there is no such station"),
+            std::string::npos);
+  EXPECT_NE(refusalOf("targets: []\nstations: {a: {clock_drift: 0.1}}").find("/stations/a/clock_drift"),
+            std::string::npos);
+  EXPECT_NE(refusalOf("targets: []\nobstacles: [{low: [0, 0, 0], high: [1, 1, 0]}]").find("corner"),
+            std::string::npos);
 }
 
 TEST(ScenarioParams, DefaultScenarioIsThePapersBenchmark) {

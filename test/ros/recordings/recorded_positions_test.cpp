@@ -102,6 +102,35 @@ TEST(RecordedPositions, EvaluationIsInMetresAndWritesItsFiles) {
   EXPECT_EQ(rows.text(0, "false_tracks"), "0");
 }
 
+TEST(RecordedPositions, TruthIsReadFromATopicOfPositionsWhichIsNotScoredItself) {
+  const ScratchFolder folder;
+  record(folder.file("in.bag"));
+  {
+    rosbag::Bag bag(folder.file("in.bag"), rosbag::bagmode::Append);
+    for (int i = 0; i <= 3; ++i) {
+      sightline::PositionTrackArray truth;
+      truth.header.stamp = ros::Time(10.0 + 0.2 * i);
+      truth.tracks.resize(1);
+      truth.tracks[0].id = 9;
+      truth.tracks[0].status = sightline::PositionTrack::CONFIRMED;
+      truth.tracks[0].position.x = 2.0 * i;
+      truth.tracks[0].position.z = 5.0;
+      bag.write("/truth/positions", truth.header.stamp, truth);
+    }
+  }
+  const rosbag::Bag bag(folder.file("in.bag"));
+  EXPECT_TRUE(sightline_ros::isPositionTopic("/truth/positions", bag));
+  EXPECT_FALSE(sightline_ros::isPositionTopic("/truth", bag));
+  const auto paths = sightline_ros::positionTruthFromTopic("/truth/positions", bag, 2.0);
+  ASSERT_EQ(paths.size(), 1u);
+  EXPECT_NEAR(paths.at("9").at(at(10.3))->position.x(), 3.0, 1e-6);
+  BagEvaluationSettings settings;
+  settings.truth = "/truth/positions";
+  const std::string text = evaluateBag(folder.file("in.bag"), settings);
+  EXPECT_NE(text.find("/positions/tracks"), std::string::npos) << text;
+  EXPECT_EQ(text.find("/truth/positions"), std::string::npos) << text;
+}
+
 TEST(RecordedPositions, TruthOfAnotherTimeOrARecordingWithoutPositionsIsRefused) {
   const ScratchFolder folder;
   record(folder.file("late.bag"), 50.0);

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <rosbag/view.h>
+#include <sightline/PositionTrackArray.h>
 #include <sightline/SightingArray.h>
 #include <sightline/TrackArray.h>
 #include <tf2_msgs/TFMessage.h>
@@ -133,6 +134,28 @@ TEST(ScenarioFile, NameAndPathLeadToTheSameFileAndUnknownOnesToTheList) {
   } catch (const std::runtime_error& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("heavy_clutter"), std::string::npos) << refusal.what();
   }
+}
+
+TEST_F(SimulatedRecording, StationsHaveTransformsAndTargetsTheirTruePositions) {
+  core::Scenario scenario = sightline_ros::loadScenario(
+      ParamReader::fromYamlFiles(sightline_ros::scenarioFiles("ship_and_shore", "")));
+  scenario.duration = 1.0;
+  record(scenario);
+  sightline_ros::RecordedTransforms transforms(*bag_);
+  transforms.advanceTo(SimulatedRecordingParams{}.start + std::chrono::seconds(10));
+  const auto scans = all<sightline::SightingArray>("/sensors/camera_2/sightings");
+  ASSERT_GT(scans.size(), 15U);
+  for (const auto& scan : scans)
+    EXPECT_TRUE(transforms.buffer().canTransform("world", "station_2_enu", scan->header.stamp));
+  const auto truth = all<sightline::PositionTrackArray>("/truth/positions");
+  ASSERT_EQ(truth.size(), 101U);
+  EXPECT_EQ(truth[0]->tracks.size(), 3U);
+}
+
+TEST(ScenarioFile, SixSensorsComeBeforeAScenarioUnlessItHasStationsOrOthersAreGiven) {
+  EXPECT_EQ(sightline_ros::scenarioFiles("crowd", "").size(), 2U);
+  EXPECT_EQ(sightline_ros::scenarioFiles("stations_field", "").size(), 1U);
+  EXPECT_EQ(sightline_ros::scenarioFiles("stations_field", "own.yaml").front(), "own.yaml");
 }
 
 }  // namespace

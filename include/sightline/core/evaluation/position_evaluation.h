@@ -16,7 +16,7 @@
 namespace sightline::core {
 
 /// A position as a tracker reports it, confirmed or coasting.
-struct PositionEstimate {
+struct EstimatedPosition {
   std::uint32_t id = 0;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();        ///< [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();        ///< [m/s]
@@ -37,6 +37,7 @@ class TruePath {
   explicit TruePath(double gap) : gap_(gap) {}
 
   void add(Time time, const Eigen::Vector3d& position) { samples_[time] = position; }
+  void forgetBefore(Time time) { samples_.erase(samples_.begin(), samples_.lower_bound(time)); }
   std::optional<PositionTruth> at(Time time) const;
   const std::map<Time, Eigen::Vector3d>& samples() const { return samples_; }
 
@@ -58,9 +59,11 @@ struct PositionEvaluationParams {
 /// Errors of those pairs of track and target that are of one kind.
 struct PositionErrors {
   std::uint64_t samples = 0;
-  double rmse = 0.0, median = 0.0, p90 = 0.0, p95 = 0.0;  ///< of the distance [m]; NaN without samples
-  double median_velocity = 0.0;                           ///< of the velocity's error [m/s]
-  double anees = 0.0;  ///< squared error over the stated covariance, over 3 [1]; 1 is honest
+  double rmse = 0.0, median = 0.0, p90 = 0.0,
+         p95 = 0.0;              ///< of the distance [m]; NaN without samples; beyond a
+                                 ///< million samples, quantiles are of a part
+  double median_velocity = 0.0;  ///< of the velocity's error [m/s]
+  double anees = 0.0;            ///< squared error over the stated covariance, over 3 [1]; 1 is honest
 };
 
 /// The figures of one topic.
@@ -92,15 +95,18 @@ class PositionEvaluation {
   };
 
   /// Returns the pairs. Reports outside the time of the truth are not scored.
-  std::vector<Pair> add(Time time, const std::vector<PositionEstimate>& tracks);
+  std::vector<Pair> add(Time time, const std::vector<EstimatedPosition>& tracks);
 
   PositionRow row() const;
 
  private:
   struct Sums {
-    std::vector<double> distances, velocities;  // of all samples
-    RunningMean nees;
+    std::uint64_t samples = 0;
+    std::uint64_t stride = 1;                   // of so many samples one is kept, to bound the memory
+    std::vector<double> distances, velocities;  // of those
+    RunningMean squares, nees;
 
+    void add(double distance, double velocity);
     PositionErrors errors() const;
   };
   struct Target {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -52,6 +53,22 @@ struct Boost {
   std::vector<BoostStage> stages{BoostStage{}};
 };
 
+/// A level circle at constant speed.
+struct SpatialOrbit {
+  Eigen::Vector3d centre{0.0, 0.0, 100.0};  ///< in the world, at the height of the orbit [m]
+  double radius = 50.0;                     ///< > 0 [m]
+  double angular_rate = 0.2;                ///< positive is counter-clockwise [rad/s]
+  double phase = 0.0;                       ///< where it is at the start, counter-clockwise from east [rad]
+};
+
+/// White-noise acceleration (S-87) along x, y and z: a path drawn once by its seed.
+struct SpatialWhiteAcceleration {
+  std::uint64_t seed = 0;
+  double density = 0.3;                       ///< of the acceleration, each axis [m^2/s^3]
+  Eigen::Vector3d position{0.0, 0.0, 100.0};  ///< at the start [m]
+  Eigen::Vector3d velocity{0.0, 0.0, 0.0};    ///< at the start [m/s]
+};
+
 /// Acceleration of gravity, downwards [m/s^2].
 inline constexpr double kGravity = 9.80665;
 
@@ -62,10 +79,14 @@ SpatialMotion motionAt(const StraightFlight& flight, double time);
 SpatialMotion motionAt(const ZenithPass& pass, double time);
 SpatialMotion motionAt(const Boost& boost, double time);
 SpatialMotion motionAt(const SpatialRoute& route, double time);
+SpatialMotion motionAt(const SpatialOrbit& orbit, double time);
+SpatialMotion motionAt(const SpatialWhiteAcceleration& path, double time);
 
 /// What is wrong with a motion's parameters; nullopt when nothing is.
 std::optional<Refusal> refusalOf(const StraightFlight& flight);
 std::optional<Refusal> refusalOf(const ZenithPass& pass);
 std::optional<Refusal> refusalOf(const Boost& boost);
+std::optional<Refusal> refusalOf(const SpatialOrbit& orbit);
+std::optional<Refusal> refusalOf(const SpatialWhiteAcceleration& path);
 
 }  // namespace sightline::core

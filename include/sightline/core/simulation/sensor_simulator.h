@@ -31,6 +31,9 @@ struct SimulatedScan {
 /// that the sensor states: from its parameters at the measured angles, knowing nothing of bias and
 /// degradation.
 ///
+/// The stamps of a sensor on a station are those of the station's clock; what it sees is turned by the
+/// station's misorientation, and hidden by obstacles.
+///
 /// A scan never overtakes the one before it: jitter longer than the interval delays the followers.
 class SensorSimulator {
  public:
@@ -51,7 +54,7 @@ class SensorSimulator {
   SimulatedScan scanAt(Duration since_start);
   void addTargets(SimulatedScan& simulated, double time);
   void addClutter(SimulatedScan& simulated);
-  void publishAfterLatency(SimulatedScan& simulated);
+  void publishAfterLatency(SimulatedScan& simulated, Time exposure);
 
   Scenario scenario_;
   SimulatedSensor sensor_;

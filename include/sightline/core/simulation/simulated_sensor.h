@@ -37,9 +37,10 @@ struct Degradation {
 /// left, z up.
 struct SimulatedSensor {
   std::string name;      ///< unique; also the name of its frame
+  std::string station;   ///< on which it is mounted; empty: on the platform
   std::string sequence;  ///< sensors of the same sequence look at the same times; empty: its own
 
-  Eigen::Vector3d mount_position = Eigen::Vector3d::Zero();  ///< in the platform's frame [m]
+  Eigen::Vector3d mount_position = Eigen::Vector3d::Zero();  ///< in the station's or platform's frame [m]
   Eigen::Vector3d mount_attitude = Eigen::Vector3d::Zero();  ///< roll, pitch (positive looks down), yaw [rad]
   Eigen::Vector2d field_of_view{1.5, 1.5};                   ///< half widths in azimuth and elevation [rad]
   double ifov = 0.08;                                        ///< angle of one detector element [rad]
@@ -61,7 +62,7 @@ struct SimulatedSensor {
   std::vector<Degradation> degradations;
 };
 
-/// Maps the sensor's frame to the platform's.
+/// Maps the sensor's frame to that of its station or platform.
 Eigen::Matrix3d R_platform_sensor(const SimulatedSensor& sensor);
 
 /// What the sensor looks at, in its own frame.

@@ -15,6 +15,7 @@
 #include "sightline/core/fusion/track_fusion.h"
 #include "sightline/core/model/refusal.h"
 #include "sightline/core/ordering/recoverable.h"
+#include "sightline/ros/components/sensor_places.h"
 #include "sightline/ros/components/simulated_clock.h"
 #include "sightline/ros/params/param_reader.h"
 
@@ -33,15 +34,19 @@ struct FusionResult {
 /// each.
 ///
 /// Refused are tracks in another frame than `tracking_frame` (directions seen from another origin cannot be
-/// fused), from the future, of this fusion itself, or under a name that another topic uses already. A message
-/// at which the fusion fails is refused, and the fusion goes on from the state before it; one that fails at
+/// fused), those of a tracker whose sensors stand further than `max_baseline` from the others' (likewise),
+/// from the future, of this fusion itself, or under a name that another topic uses already. A message at
+/// which the fusion fails is refused, and the fusion goes on from the state before it; one that fails at
 /// every message for long forgets its tracks.
 class TrackFusionComponent {
  public:
   /// Reads all parameters of the fusion at this level of `reader` but `track_topics` and those of the node;
   /// the caller calls `finish`. `name` is the fusion's name where `tracker_name` does not say another. Throws
   /// ParamError.
-  TrackFusionComponent(const ParamReader& reader, const std::string& name);
+  /// `transforms`, which is filled by others and must outlive this, tells where sensors stand; null: nobody
+  /// knows it.
+  TrackFusionComponent(const ParamReader& reader, const std::string& name,
+                       const tf2::BufferCore* transforms = nullptr);
 
   /// Takes the tracks of one local tracker that came on `topic`; `now` is the clock at its arrival, 0 = not
   /// known.
@@ -52,6 +57,9 @@ class TrackFusionComponent {
   /// they, or some of them, were refused; nullopt when they were not.
   std::optional<sightline::core::Refusal> onTracklets(const sightline::TrackletArray& local,
                                                       const std::string& topic, sightline::core::Time now);
+
+  /// Where sensors stand; null without transforms.
+  SensorPlaces* places() { return places_ ? &*places_ : nullptr; }
 
   /// Whether the rule can make use of tracklets.
   bool wantsTracklets() const;
@@ -108,6 +116,7 @@ class TrackFusionComponent {
   std::string name_;
   std::string tracking_frame_;
   double max_future_;  // [s]
+  std::optional<SensorPlaces> places_;
   sightline::core::TrackFusionParams params_;
   sightline::core::Recoverable<sightline::core::TrackFusion, Input, Answer> fusion_;
   std::shared_ptr<const sightline::core::FusionReport> latest_;  // never null

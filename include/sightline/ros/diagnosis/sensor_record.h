@@ -23,8 +23,9 @@ struct Finding {
 
 /// Limits of the trackers, beyond which something is wrong.
 struct InputLimits {
-  double max_lag = 0.5;     ///< lateness up to which a scan is put in its place [s]
-  double max_future = 0.1;  ///< by how much a stamp may be ahead of the clock [s]
+  double max_lag = 0.5;      ///< lateness up to which a scan is put in its place [s]
+  double max_future = 0.1;   ///< by how much a stamp may be ahead of the clock [s]
+  bool stand_apart = false;  ///< sensors at several places: what they see is not in one direction
 };
 
 /// The scans of one sensor over some time, as they were sent: neither turned nor tracked. The memory is

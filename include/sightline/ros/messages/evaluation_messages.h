@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -9,6 +10,8 @@
 #include <sightline/TrackArray.h>
 
 #include "sightline/core/evaluation/evaluation.h"
+#include "sightline/core/evaluation/position_evaluation.h"
+#include "sightline/core/positions/position_track.h"
 
 /// Messages to what an evaluation takes, and what it found to messages.
 namespace sightline_ros {
@@ -18,6 +21,10 @@ std::map<std::uint32_t, Eigen::Vector4d> motionsOf(const sightline::TrackArray& 
 
 /// What a tracker, or a fusion, reported.
 sightline::core::TrackReport reportOf(const sightline::TrackArray& tracks);
+
+/// What is scored of positions: all but tentative ones.
+std::vector<sightline::core::EstimatedPosition> estimatesOf(
+    const sightline::core::PositionTrackArray& positions);
 
 /// Whether the tracks are made of tracks: their `estimator` is then none of ours but a rule.
 bool isFused(const sightline::TrackArray& tracks);

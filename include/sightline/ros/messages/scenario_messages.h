@@ -4,6 +4,7 @@
 
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/time.h>
+#include <sightline/PositionTrackArray.h>
 #include <sightline/TrackArray.h>
 
 #include "sightline/core/simulation/scenario.h"
@@ -19,7 +20,24 @@ sightline::TrackArray truthMessage(const sightline::core::Scenario& scenario, do
 std::vector<geometry_msgs::TransformStamped> platformTransforms(const sightline::core::Scenario& scenario,
                                                                 double time, const ros::Time& stamp);
 
-/// platform -> the sensor's frame, which has its name.
+/// Topic of the true positions of a scenario that has stations.
+inline constexpr const char* kPositionTruthTopic = "/truth/positions";
+
+/// Where the targets given in metres truly are, in `world`, covariance zero.
+sightline::PositionTrackArray positionTruthMessage(const sightline::core::Scenario& scenario, double time,
+                                                   const ros::Time& stamp);
+
+/// world -> the station's frame, and world -> <station>_enu, which has its place and the axes of the world.
+std::vector<geometry_msgs::TransformStamped> stationTransforms(const sightline::core::Station& station,
+                                                               double time, const ros::Time& stamp);
+
+/// Those of the platform and of all stations that stand still, or of all that move.
+std::vector<geometry_msgs::TransformStamped> fixedTransforms(const sightline::core::Scenario& scenario,
+                                                             const ros::Time& stamp);
+std::vector<geometry_msgs::TransformStamped> movingTransforms(const sightline::core::Scenario& scenario,
+                                                              double time, const ros::Time& stamp);
+
+/// platform, or the sensor's station -> the sensor's frame, which has its name.
 geometry_msgs::TransformStamped mountTransform(const sightline::core::SimulatedSensor& sensor,
                                                const ros::Time& stamp);
 

@@ -46,6 +46,9 @@ struct TrackDisplayParams {
 /// Throws ParamError.
 TrackDisplayParams loadTrackDisplayParams(const ParamReader& reader);
 
+/// The list `fields_of_view` of sensors that no scenario knows. Throws ParamError.
+std::vector<FieldOfView> loadFieldsOfView(const ParamReader& reader);
+
 /// What the sensors of a scenario see.
 std::vector<FieldOfView> fieldsOfView(const sightline::core::Scenario& scenario);
 

@@ -9,11 +9,13 @@
 #include <ros/subscriber.h>
 #include <sightline/TrackArray.h>
 #include <sightline/TrackletArray.h>
+#include <tf2/buffer_core.h>
 
 #include "sightline/ros/components/track_fusion_component.h"
 #include "sightline/ros/components/track_fusion_health.h"
 #include "sightline/ros/diagnosis/callback_guard.h"
 #include "sightline/ros/diagnosis/periodic_diagnostics.h"
+#include "sightline/ros/diagnosis/transform_subscriber.h"
 
 namespace sightline_ros {
 
@@ -34,6 +36,8 @@ class TrackFusionNode {
 
   ros::NodeHandle nh_;
   CallbackGuard guard_;
+  tf2::BufferCore transforms_;
+  TransformSubscriber transform_subscriber_;
   TrackFusionComponent component_;
   std::vector<std::string> topics_;           // full names
   std::vector<std::string> tracklet_topics_;  // likewise

@@ -18,4 +18,11 @@ bool isPositionTruth(const std::string& path);
 std::map<std::string, sightline::core::TruePath> positionTruthFromCsv(const std::string& path,
                                                                       const rosbag::Bag& bag, double gap);
 
+/// Whether the recording has PositionTrackArray messages on the topic.
+bool isPositionTopic(const std::string& topic, const rosbag::Bag& bag);
+
+/// True paths by id from such a topic, as `simulate` writes it. `gap`: see TruePath [s].
+std::map<std::string, sightline::core::TruePath> positionTruthFromTopic(const std::string& topic,
+                                                                        const rosbag::Bag& bag, double gap);
+
 }  // namespace sightline_ros

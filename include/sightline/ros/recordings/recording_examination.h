@@ -20,7 +20,8 @@ struct RecordingExamination {
 };
 
 struct RecordingExaminationParams {
-  std::string tracking_frame;  ///< empty = that of the recorded tracks, or platform_enu
+  std::string tracking_frame;          ///< empty = that of the recorded tracks, or platform_enu
+  std::string metric_frame = "world";  ///< in which it is told whether the sensors stand apart
   bool with_latency =
       true;  ///< whether the times of arrival are examined, which matter to live trackers only
   InputLimits limits;

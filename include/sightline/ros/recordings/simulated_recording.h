@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include <rosbag/bag.h>
 
@@ -21,8 +22,8 @@ struct SimulatedRecordingSummary {
 };
 
 /// Writes what the nodes of a simulation would publish, at the times at which they would:
-/// /sensors/<sensor>/sightings, /truth, /tf and /tf_static. Throws std::invalid_argument for a scenario that
-/// has no end or is faulty.
+/// /sensors/<sensor>/sightings, /truth, /tf and /tf_static, with stations also /truth/positions. Throws
+/// std::invalid_argument for a scenario that has no end or is faulty.
 SimulatedRecordingSummary recordSimulation(const sightline::core::Scenario& scenario,
                                            const SimulatedRecordingParams& params, rosbag::Bag& bag);
 
@@ -30,7 +31,8 @@ SimulatedRecordingSummary recordSimulation(const sightline::core::Scenario& scen
 /// Throws std::runtime_error that names those that there are.
 std::string scenarioFile(const std::string& name);
 
-/// config/sensors/six_sensors.yaml of the package.
-std::string sixSensorsFile();
+/// The files of a scenario in the order in which they are loaded: that of its sensors (empty = that of the
+/// six sensors, or none for a scenario that has stations, which has their sensors itself) and `scenarioFile`.
+std::vector<std::string> scenarioFiles(const std::string& name, const std::string& sensors);
 
 }  // namespace sightline_ros
