@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 #include "sightline/core/model/sphere.h"
 
@@ -17,13 +16,11 @@ namespace {
 using Matrix23d = Eigen::Matrix<double, 2, 3>;
 
 constexpr double kSlotMemory = 5.0;  // time constants of the slow error after which a silent station's goes
-constexpr double kLongestInterval = 2.0;  // [s] that a station's interval may count for
-constexpr double kRateSigma = 0.5;  // of velocity and acceleration at the start, over the range [1/s, 1/s^2]
-constexpr double kMisfitMemory = 1.0;    // [s]
-constexpr double kMostMisfit = 12.0;     // mean normalised innovation squared above which all is started anew
-constexpr double kMisfitCap = 30.0;      // what one innovation can add at the most
-constexpr double kStartChiSquare = 9.0;  // per degree of freedom; of the rays with which a target starts
-constexpr double kMovedSigmas = 3.0;  // of a station's angle, by which its move must be seen to tell a range
+constexpr double kFirstInterval =
+    2.0;                               // [s] that a station's first measurement counts as being after another
+constexpr double kMisfitMemory = 1.0;  // [s]
+constexpr double kMostMisfit = 12.0;   // mean normalised innovation squared above which all is started anew
+constexpr double kMisfitCap = 30.0;    // what one innovation can add at the most
 
 ModeArray equalAttractions(const PositionEstimatorParams& params) {
   if (params.models.empty() || params.models.size() > kMaxModes) {
@@ -75,79 +72,9 @@ std::vector<PositionModel> defaultPositionModels() {
 
 PositionEstimator::PositionEstimator(const PositionEstimatorParams& params)
     : params_(std::make_shared<const PositionEstimatorParams>(params)),
-      chain_(equalAttractions(params), params.dwell) {}
-
-const PositionEstimator::Seen* PositionEstimator::find(int station) const {
-  for (int i = 0; i < seen_count_; ++i)
-    if (seen_[static_cast<std::size_t>(i)].station == station) return &seen_[static_cast<std::size_t>(i)];
-  return nullptr;
-}
-
-PositionEstimator::Seen* PositionEstimator::find(int station) {
-  return const_cast<Seen*>(std::as_const(*this).find(station));
-}
-
-/// Remembers that the station sees the target; the station silent longest is forgotten for it.
-PositionEstimator::Seen& PositionEstimator::note(const StationMeasurement& m) {
-  Seen* seen = find(m.station);
-  if (!seen) {
-    std::size_t at = static_cast<std::size_t>(seen_count_);
-    if (seen_count_ < kMostSeen) {
-      ++seen_count_;
-    } else {
-      at = static_cast<std::size_t>(
-          std::min_element(seen_.begin(), seen_.end(),
-                           [](const Seen& a, const Seen& b) { return a.last < b.last; }) -
-          seen_.begin());
-    }
-    seen = &seen_[at];
-    *seen = Seen{};
-    seen->station = m.station;
-    seen->alone_origin = m.ray.origin;
-  } else {
-    const double h = seconds(m.time - seen->last);
-    seen->since = h;
-    if (h > 0.0 && h < kLongestInterval)
-      seen->interval = seen->interval > 0.0 ? seen->interval + 0.2 * (h - seen->interval) : h;
-  }
-  seen->last = m.time;
-  seen->origin = m.ray.origin;
-  seen->variance = 0.5 * m.ray.covariance.trace() + m.slow.variance;
-  return *seen;
-}
-
-bool PositionEstimator::supports(const Seen& seen, Time now) const {
-  const double patience = std::max(params_->alone_after, params_->alone_intervals * seen.interval);
-  return seconds(now - seen.last) < patience;
-}
-
-/// Whether no other station supports the target; stations at one place count as one.
-bool PositionEstimator::isAlone(const Seen& seen, Time now) const {
-  for (int i = 0; i < seen_count_; ++i) {
-    const Seen& other = seen_[static_cast<std::size_t>(i)];
-    if (other.station == seen.station || !supports(other, now)) continue;
-    const double baseline = (other.origin - seen.origin).norm();
-    const double range = has_state_ ? (beliefs_[0].mean.head<3>() - seen.origin).norm() : 0.0;
-    if (baseline > kMovedSigmas * std::sqrt(seen.variance) * range) return false;
-  }
-  return true;
-}
-
-/// The square of what one sighting resolves, (sigma rho)^2 [m^2], of the stations that support the target:
-/// the harmonic mean, so that the best counts most.
-double PositionEstimator::unitSquared(const Eigen::Vector3d& point, Time now) const {
-  double information = 0.0;
-  int count = 0;
-  for (int pass = 0; pass < 2 && count == 0; ++pass) {
-    for (int i = 0; i < seen_count_; ++i) {
-      const Seen& seen = seen_[static_cast<std::size_t>(i)];
-      if (pass == 0 && !supports(seen, now)) continue;
-      information += 1.0 / (seen.variance * (point - seen.origin).squaredNorm());
-      ++count;
-    }
-  }
-  return count / information;
-}
+      chain_(equalAttractions(params), params.dwell),
+      seen_(params.alone_after, params.alone_intervals),
+      waiting_(params.start_window, params.max_relative_sigma) {}
 
 /// Noise of a measurement over a basis: white, and what of the slow error changes too fast for the state; a
 /// station whose slow error is not in the state has all of it here (considered, not estimated).
@@ -171,9 +98,10 @@ int PositionEstimator::slotOf(const StationMeasurement& m) {
   if (slot_count_ == kMostStations) {  // that of a station which is gone, if there is one
     int oldest = -1;
     for (int i = 0; i < slot_count_; ++i) {
-      const Seen* seen = find(slots_[static_cast<std::size_t>(i)].station);
-      if (seen && supports(*seen, m.time)) continue;
-      if (oldest < 0 || !seen || seen->last < find(slots_[static_cast<std::size_t>(oldest)].station)->last)
+      const SeenStation* seen = seen_.find(slots_[static_cast<std::size_t>(i)].station);
+      if (seen && seen_.supports(*seen, m.time)) continue;
+      if (oldest < 0 || !seen ||
+          seen->last < seen_.find(slots_[static_cast<std::size_t>(oldest)].station)->last)
         oldest = i;
       if (!seen) break;
     }
@@ -197,69 +125,7 @@ void PositionEstimator::dropSlot(int slot) {
   --slot_count_;
 }
 
-/// Direction and rate of a station at a time, from its waiting measurements: a straight line.
-std::optional<Ray> PositionEstimator::rayAt(int station, Time now) const {
-  double s0 = 0.0, s1 = 0.0, s2 = 0.0;
-  Eigen::Vector3d y0 = Eigen::Vector3d::Zero(), y1 = Eigen::Vector3d::Zero();
-  const StationMeasurement* newest = nullptr;
-  for (int i = 0; i < waiting_count_; ++i) {
-    const StationMeasurement& m = waiting_[static_cast<std::size_t>(i)];
-    if (m.station != station) continue;
-    const double t = seconds(m.time - now), w = 2.0 / m.ray.covariance.trace();
-    s0 += w;
-    s1 += w * t;
-    s2 += w * t * t;
-    y0 += w * m.ray.direction;
-    y1 += w * t * m.ray.direction;
-    newest = &m;
-  }
-  const double D = s0 * s2 - s1 * s1;
-  if (!newest || !(D > 1e-9 * s0 * s2)) return std::nullopt;
-  Ray ray;
-  ray.origin = newest->ray.origin;
-  ray.direction = ((s2 * y0 - s1 * y1) / D).normalized();
-  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray.direction * ray.direction.transpose();
-  RayMotion motion;
-  motion.rate = across * ((s0 * y1 - s1 * y0) / D);
-  // White noise through the fit, the slow error on the direction, and of the rate what it may have changed
-  // by over the window, for want of better as much as itself.
-  const double slow_rate = 2.0 * newest->slow.variance / (newest->slow.time_constant * params_->start_window);
-  ray.covariance = (s2 / D + newest->slow.variance) * across;
-  motion.covariance = (s0 / D + slow_rate + 0.25 * motion.rate.squaredNorm()) * across;
-  if (newest->ray.motion) motion.origin_velocity = newest->ray.motion->origin_velocity;
-  ray.motion = motion;
-  return ray;
-}
-
-/// Starts from the waiting measurements when those of two stations or more cross well.
-bool PositionEstimator::start(Time now) {
-  const auto waiting_end = waiting_.begin() + waiting_count_;
-  if (std::all_of(waiting_.begin(), waiting_end,
-                  [this](const StationMeasurement& m) { return m.station == waiting_[0].station; })) {
-    return false;
-  }
-  std::vector<Ray> rays;
-  std::vector<int> stations;
-  for (int i = 0; i < waiting_count_; ++i) {
-    const int station = waiting_[static_cast<std::size_t>(i)].station;
-    if (std::find(stations.begin(), stations.end(), station) != stations.end()) continue;
-    stations.push_back(station);
-    if (const auto ray = rayAt(station, now)) rays.push_back(*ray);
-  }
-  if (rays.size() < 2) return false;
-  const Crossing crossing = intersect(rays);
-  if (crossing.verdict != CrossingVerdict::crossing || !crossing.at.velocity) return false;
-  const Intersection& at = crossing.at;
-  if (!(at.relative_sigma < params_->max_relative_sigma) || !(at.chi_square < kStartChiSquare * at.degrees)) {
-    return false;
-  }
-  double range = std::numeric_limits<double>::infinity();
-  for (const Ray& ray : rays) range = std::min(range, (at.point - ray.origin).norm());
-  PositionBelief belief;
-  belief.mean.head<3>() = at.point;
-  belief.mean.segment<3>(3) = *at.velocity;
-  belief.covariance.topLeftCorner<6, 6>() = at.joint_covariance;
-  belief.covariance.diagonal().tail<3>().setConstant(kRateSigma * kRateSigma * range * range);
+void PositionEstimator::start(const PositionBelief& belief, Time now) {
   for (Eigen::Index mode = 0; mode < chain_.probabilities().size(); ++mode)
     beliefs_[static_cast<std::size_t>(mode)] = belief;
   chain_ = ModeChain(ModeArray::Ones(chain_.probabilities().size()), params_->dwell);
@@ -269,8 +135,15 @@ bool PositionEstimator::start(Time now) {
   time_ = now;
   misfit_ = 1.0;
   along_floor_.reset();
-  waiting_count_ = 0;
-  return true;
+  waiting_.clear();
+}
+
+/// The position is lost; what was seen last is the first to start anew with.
+void PositionEstimator::giveUp(const StationMeasurement& last) {
+  has_state_ = false;
+  waiting_.clear();
+  waiting_.wait(last);
+  along_floor_.reset();
 }
 
 /// Interaction and prediction of all models.
@@ -283,7 +156,7 @@ void PositionEstimator::moveTo(Time time) {  // (S-25), (S-26), (P-4)
   std::array<SlowError, kMostStations> slow;
   for (int i = 0; i < slot_count_; ++i)
     slow[static_cast<std::size_t>(i)] = slots_[static_cast<std::size_t>(i)].slow;
-  const double unit_squared = unitSquared(all.mean.head<3>(), time);
+  const double unit_squared = seen_.unitSquared(all.mean.head<3>(), time);
   const double kept = std::max(std::exp(-h / params_->scale_memory) * scale_shape_, 1.0);
   scale_sum_ *= kept / scale_shape_;  // (S-11): at least one sighting's worth
   scale_shape_ = kept;
@@ -333,33 +206,25 @@ void PositionEstimator::keepAlongRay(const Eigen::Vector3d& origin) {
 
 MeasurementUse PositionEstimator::update(const StationMeasurement& m) {
   if (!isUsable(m)) return MeasurementUse::refused;
-  const std::optional<Time> newest =
-      has_state_
-          ? time_
-          : (waiting_count_ ? std::optional<Time>(waiting_[static_cast<std::size_t>(waiting_count_ - 1)].time)
-                            : std::nullopt);
+  const std::optional<Time> newest = has_state_ ? time_ : waiting_.newest();
   if (newest && m.time < *newest) return MeasurementUse::refused;
-  const Seen* before = find(m.station);
-  const double since = before ? seconds(m.time - before->last) : kLongestInterval;
-  Seen& seen = note(m);
+  const SeenStation* before = seen_.find(m.station);
+  const double since = before ? seconds(m.time - before->last) : kFirstInterval;
+  SeenStation& seen = seen_.note(m);
 
   if (!has_state_) {
-    int kept = 0;
-    for (int i = waiting_count_ == kMostWaiting ? 1 : 0; i < waiting_count_; ++i) {
-      if (seconds(m.time - waiting_[static_cast<std::size_t>(i)].time) > params_->start_window) continue;
-      if (kept != i) waiting_[static_cast<std::size_t>(kept)] = waiting_[static_cast<std::size_t>(i)];
-      ++kept;
-    }
-    waiting_[static_cast<std::size_t>(kept)] = m;
-    waiting_count_ = kept + 1;
-    return start(m.time) ? MeasurementUse::started : MeasurementUse::waiting;
+    waiting_.wait(m);
+    const auto belief = waiting_.startAt(m.time);
+    if (!belief) return MeasurementUse::waiting;
+    start(*belief, m.time);
+    return MeasurementUse::started;
   }
 
   const double h = seconds(m.time - *time_);
   moveTo(m.time);
   for (int i = slot_count_ - 1; i >= 0; --i) {  // the slow errors of stations long silent are forgotten
     const Slot& slot = slots_[static_cast<std::size_t>(i)];
-    const Seen* other = find(slot.station);
+    const SeenStation* other = seen_.find(slot.station);
     if (!other || seconds(m.time - other->last) > kSlotMemory * slot.slow.time_constant) dropSlot(i);
   }
   const int slot = slotOf(m);
@@ -383,11 +248,10 @@ MeasurementUse PositionEstimator::update(const StationMeasurement& m) {
   direction.basis = basis;
   direction.R = noiseOf(m, basis, since, slot >= 0);
 
-  const bool is_alone = isAlone(seen, m.time);
+  const Eigen::Vector3d point = beliefs_[0].mean.head<3>();
+  const bool is_alone = seen_.isAlone(seen, point, m.time);
   if (!is_alone || !along_floor_) seen.alone_origin = m.ray.origin;
-  const double range = (beliefs_[0].mean.head<3>() - m.ray.origin).norm();
-  seen.is_at_rest =
-      (m.ray.origin - seen.alone_origin).norm() < kMovedSigmas * std::sqrt(seen.variance) * range;
+  seen.is_at_rest = SeenStations::isAtRest(seen, m.ray.origin, point);
   const bool keeps_range = is_alone && seen.is_at_rest;
 
   // Evidence of the models (P-8): the innovations' scale is common to all and at most as stated, because the
@@ -418,10 +282,7 @@ MeasurementUse PositionEstimator::update(const StationMeasurement& m) {
   const auto state = stateAt(m.time);
   const bool is_lost = !state || !(state->relative_sigma < params_->lost_relative_sigma);
   if (!is_lost && misfit_ <= kMostMisfit) return MeasurementUse::taken;
-  has_state_ = false;
-  waiting_count_ = 1;
-  waiting_[0] = m;
-  along_floor_.reset();
+  giveUp(m);
   return MeasurementUse::restarted;
 }
 
@@ -439,24 +300,10 @@ std::optional<PositionState> PositionEstimator::stateAt(Time time) const {
   PositionState state;
   state.mean = all.mean.head<6>();
   state.covariance = symmetric(all.covariance.topLeftCorner<6, 6>());
-  double nearest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < seen_count_; ++i) {
-    const Seen& a = seen_[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d from_a = state.mean.head<3>() - a.origin;
-    if (!supports(a, time)) continue;
-    nearest = std::min(nearest, from_a.norm());
-    ++state.stations;
-    for (int j = 0; j < i; ++j) {
-      const Seen& b = seen_[static_cast<std::size_t>(j)];
-      if (supports(b, time))
-        state.parallax = std::max(state.parallax, angleBetween(from_a, state.mean.head<3>() - b.origin));
-    }
-  }
-  if (state.stations == 0) {
-    for (int i = 0; i < seen_count_; ++i)
-      nearest = std::min(nearest, (state.mean.head<3>() - seen_[static_cast<std::size_t>(i)].origin).norm());
-  }
-  state.relative_sigma = largestSigma(state.covariance.topLeftCorner<3, 3>()) / nearest;
+  const SeenStations::Support support = seen_.supportOf(state.mean.head<3>(), time);
+  state.stations = support.stations;
+  state.parallax = support.parallax;
+  state.relative_sigma = largestSigma(state.covariance.topLeftCorner<3, 3>()) / support.nearest;
   return state;
 }
 
@@ -469,7 +316,7 @@ std::optional<SlowErrorEstimate> PositionEstimator::slowErrorOf(int station) con
     SlowErrorEstimate estimate;
     estimate.station = station;
     estimate.time = *time_;
-    if (const Seen* seen = find(station)) estimate.since = seen->since;
+    if (const SeenStation* seen = seen_.find(station)) estimate.since = seen->since;
     estimate.error = all.mean.segment<2>(kMotionSize + 2 * i);
     estimate.covariance = all.covariance.block<2, 2>(kMotionSize + 2 * i, kMotionSize + 2 * i);
     estimate.basis = slot.basis;

@@ -10,7 +10,8 @@
 #include "sightline/core/estimators/mode_chain.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/positions/position_belief.h"
-#include "sightline/core/positions/rays.h"
+#include "sightline/core/positions/position_start.h"
+#include "sightline/core/positions/seen_stations.h"
 
 namespace sightline::core {
 
@@ -30,14 +31,6 @@ struct PositionEstimatorParams {
   double lost_relative_sigma = 1.0;  ///< above it the target is started anew [1], > max_relative_sigma
   double fast_share = 0.4;  ///< part of the slow error's sigma that changes within `fast_time` [1], >= 0
   double fast_time = 0.05;  ///< its time constant [s], > 0
-};
-
-/// What one station saw of the target: a sighting, or a tracklet's.
-struct StationMeasurement {
-  Time time{};
-  int station = 0;  ///< number of the station, >= 0, the caller's
-  Ray ray;  ///< from where, where to; `covariance` is of the white noise; motion: of the origin, if known
-  SlowError slow;  ///< of the station
 };
 
 /// What became of a measurement.
@@ -105,31 +98,12 @@ class PositionEstimator {
     SlowError slow;
     Eigen::Matrix<double, 2, 3> basis = Eigen::Matrix<double, 2, 3>::Zero();
   };
-  /// A station that has seen the target.
-  struct Seen {
-    int station = -1;
-    Time last{};
-    double interval = 0.0;                             // between measurements [s], 0 = not known
-    double since = 0.0;                                // between the last two [s]
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // at the last measurement
-    double variance = 0.0;                             // of one measurement, with the slow error [rad^2]
-    bool is_at_rest = true;
-    Eigen::Vector3d alone_origin = Eigen::Vector3d::Zero();  // where it was when it was left alone
-  };
-  static constexpr int kMostSeen = 32;
-  static constexpr int kMostWaiting = 32;
 
-  const Seen* find(int station) const;
-  Seen* find(int station);
-  Seen& note(const StationMeasurement& measurement);
-  bool supports(const Seen& seen, Time now) const;
-  bool isAlone(const Seen& seen, Time now) const;
-  bool start(Time now);
-  std::optional<Ray> rayAt(int station, Time now) const;
+  void start(const PositionBelief& belief, Time now);
+  void giveUp(const StationMeasurement& last);
   void moveTo(Time time);
   int slotOf(const StationMeasurement& measurement);
   void dropSlot(int slot);
-  double unitSquared(const Eigen::Vector3d& point, Time now) const;
   Eigen::Matrix2d noiseOf(const StationMeasurement& measurement, const Eigen::Matrix<double, 2, 3>& basis,
                           double since, bool is_in_state) const;
   PositionBelief mixed(const ModeArray& weights, const std::array<PositionBelief, kMaxModes>& beliefs) const;
@@ -143,10 +117,8 @@ class PositionEstimator {
   double scale_shape_ = 1.0, scale_sum_ = 1.0;  // a and b of (S-11), of all models together
   std::array<Slot, kMostStations> slots_;
   int slot_count_ = 0;
-  std::array<Seen, kMostSeen> seen_;
-  int seen_count_ = 0;
-  std::array<StationMeasurement, kMostWaiting> waiting_;  // the newest, oldest first
-  int waiting_count_ = 0;
+  SeenStations seen_;
+  PositionStart waiting_;
   double misfit_ = 1.0;
   std::optional<double> along_floor_;  // variance along the ray of the station alone [m^2]
 };
