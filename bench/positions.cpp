@@ -1,7 +1,7 @@
 // Positions of one target from the directions of several stations, with the default settings: the core's
 // position estimator and the plain intersection of rays, on recordings with a known or published path.
 //
-//   positions [--recordings DIR] [--table drone|fireball|tracker|field] [--runs N]
+//   positions [--recordings DIR] [--table drone|fireball|tracker|field|misaligned] [--runs N]
 //
 // DIR holds drone_5_cameras and fireball_3_stations (default: where SIGHTLINE_SHARED_DIR/data is). Figures of
 // the drone are taken at the times of its RTK path, with what had been seen by then, and split by how many
@@ -298,21 +298,23 @@ int run(int argc, char** argv) {
     else
       throw std::runtime_error(
           "positions: unknown option " + option +
-          "; usage: positions [--recordings DIR] [--table drone|fireball|tracker|field] [--runs N]");
+          "; usage: positions [--recordings DIR] [--table drone|fireball|tracker|field|misaligned] [--runs "
+          "N]");
   }
-  const bool is_known =
-      table.empty() || table == "drone" || table == "fireball" || table == "tracker" || table == "field";
+  const bool is_known = table.empty() || table == "drone" || table == "fireball" || table == "tracker" ||
+                        table == "field" || table == "misaligned";
   if (!is_known)
     throw std::runtime_error("positions: no table is called " + table +
-                             "; there are drone, fireball, tracker, field");
+                             "; there are drone, fireball, tracker, field, misaligned");
   if (runs < 1) throw std::runtime_error("positions: --runs must be at least 1");
-  if (recordings.empty() && table != "field")
+  if (recordings.empty() && table != "field" && table != "misaligned")
     throw std::runtime_error("positions: where the recordings are must be said with --recordings DIR");
   const auto wanted = [&](const char* name) { return table.empty() || table == name; };
   if (wanted("drone")) drone(recordings + "/drone_5_cameras");
   if (wanted("tracker")) trackedDrone(recordings + "/drone_5_cameras");
   if (wanted("fireball")) fireball(recordings + "/fireball_3_stations");
   if (wanted("field")) simulatedFields(runs);
+  if (wanted("misaligned")) misalignedStation(runs);
   return 0;
 }
 

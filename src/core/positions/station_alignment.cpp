@@ -55,6 +55,8 @@ void StationAlignment::take(int a, const Ray& ray_a, int b, const Ray& ray_b, do
   h(kStates) = -by_b.dot(ray_b.motion->rate);
   h.segment<3>(kStates + 1) = ray_b.direction.cross(by_b).transpose();
   const double weight = std::min(share, 1.0) / test->variance;
+  squares_ += weight * test->offset * test->offset;
+  samples_ += std::min(share, 1.0);
   const Eigen::Index places[2] = {kStates * a, kStates * b};
   for (int i = 0; i < 2; ++i) {
     vector_.segment<kStates>(places[i]) +=
@@ -72,6 +74,8 @@ void StationAlignment::forget(double h) {
   const double kept = std::exp(-h / params_.memory);
   information_ *= kept;
   vector_ *= kept;
+  squares_ *= kept;
+  samples_ *= kept;
   is_solved_ = false;
 }
 
@@ -90,17 +94,33 @@ void StationAlignment::solve() const {
   is_solved_ = true;
 }
 
-std::optional<StationAlignmentEstimate> StationAlignment::of(int station) const {
+StationAlignment::Marginal StationAlignment::marginalOf(int station) const {
+  Marginal marginal;
+  marginal.covariance.diagonal() << params_.clock_sigma * params_.clock_sigma,
+      Eigen::Vector3d::Constant(params_.orientation_sigma * params_.orientation_sigma);
+  if (!knows(station)) return marginal;
+  solve();
+  marginal.mean = solution_.segment<kStates>(kStates * station);
+  marginal.covariance = covariance_.block<kStates, kStates>(kStates * station, kStates * station);
+  return marginal;
+}
+
+std::optional<StationAlignmentEstimate> StationAlignment::of(int station,
+                                                             const std::vector<bool>& is_wrong) const {
   if (!knows(station)) return std::nullopt;
   solve();
   // Against the mean of the stations that are known: a common offset cannot be told.
+  const auto counts = [&](int other) {
+    const auto i = static_cast<std::size_t>(other);
+    return knows(other) && !(i < is_wrong.size() && is_wrong[i]);
+  };
   StationAlignmentEstimate estimate;
   Eigen::VectorXd against = Eigen::VectorXd::Zero(solution_.size());
   double count = 0.0;
   for (int other = 0; other < stations(); ++other)
-    if (knows(other)) count += 1.0;
+    if (counts(other)) count += 1.0;
   for (int other = 0; other < stations(); ++other)
-    if (knows(other)) against(kStates * other) = -1.0 / count;
+    if (counts(other)) against(kStates * other) = -1.0 / count;
   against(kStates * station) += 1.0;
   estimate.clock = against.dot(solution_);
   estimate.clock_sigma = std::sqrt(std::max(against.dot(covariance_ * against), 0.0));

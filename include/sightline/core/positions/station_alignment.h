@@ -42,8 +42,20 @@ class StationAlignment {
   /// Time passes: what was seen counts less.
   void forget(double h);
 
-  /// nullopt for a station that no pair has been taken of.
-  std::optional<StationAlignmentEstimate> of(int station) const;
+  /// Whether a pair has been taken of the station.
+  bool knows(int station) const;
+
+  /// The clock against the mean of all known stations, but those that count as wrong (by station; may be
+  /// shorter). nullopt for a station that no pair has been taken of.
+  std::optional<StationAlignmentEstimate> of(int station, const std::vector<bool>& is_wrong = {}) const;
+
+  /// Mean and covariance over (clock [s], orientation [rad]) of one station, priors included; the priors
+  /// alone for one that is not known.
+  struct Marginal {
+    Eigen::Vector4d mean = Eigen::Vector4d::Zero();
+    Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  };
+  Marginal marginalOf(int station) const;
 
   /// Clock of station `b` less that of station `a`, and its standard deviation [s].
   struct ClockDifference {
@@ -53,16 +65,23 @@ class StationAlignment {
 
   int stations() const { return static_cast<int>(is_seen_.size()); }
 
+  /// What was taken, without the priors: normal equations over (clock, orientation) of each station, the sum
+  /// of the squares of what was seen over its variance, and how many independent samples that is.
+  static constexpr int kStates = 4;  ///< of a station: clock, orientation
+  const Eigen::MatrixXd& information() const { return information_; }
+  const Eigen::VectorXd& vector() const { return vector_; }
+  double squares() const { return squares_; }
+  double samples() const { return samples_; }
+
  private:
-  static constexpr int kStates = 4;  // of a station: clock, orientation
   void makeRoomFor(int station);
-  bool knows(int station) const;
   void solve() const;
 
   StationAlignmentParams params_;
   std::vector<bool> is_seen_;
   Eigen::MatrixXd information_;  // without the priors
   Eigen::VectorXd vector_;
+  double squares_ = 0.0, samples_ = 0.0;
   mutable bool is_solved_ = false;
   mutable Eigen::VectorXd solution_;
   mutable Eigen::MatrixXd covariance_;
