@@ -23,18 +23,6 @@ constexpr std::uint32_t kQueue = 100;  // messages of a topic between two turns 
 constexpr double kStaticPeriod = 1.0;  // of repeating the view's frame [s]
 constexpr double kSecondsBetweenWarnings = 10.0;
 
-/// Colours follow the order of the names in the two lists of topics.
-std::vector<std::string> namesOf(const PositionDisplayParams& params) {
-  std::vector<std::string> names;
-  for (const auto* topics : {&params.sighting_topics, &params.track_topics}) {
-    for (const std::string& topic : *topics) {
-      const std::string name = channelOf(topic);
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    }
-  }
-  return names;
-}
-
 }  // namespace
 
 PositionDisplayParams::PositionDisplayParams() {
@@ -77,7 +65,7 @@ PositionDisplayNode::PositionDisplayNode(ros::NodeHandle nh, ros::NodeHandle pri
         reader.finish();
         return params;
       }()),
-      picture_(params_.picture, SensorColours(namesOf(params_))),
+      picture_(params_.picture, SensorColours(channelsOf(params_.sighting_topics, params_.track_topics))),
       transform_subscriber_(nh_, transforms_, [] {}) {
   loadScenarioThere();
   subscribe();

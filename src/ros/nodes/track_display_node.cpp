@@ -38,17 +38,6 @@ std::string namespaceOf(const std::string& topic) {
   return last == std::string::npos ? "" : topic.substr(0, last);
 }
 
-std::vector<std::string> channelsOf(const TrackDisplayParams& params) {
-  std::vector<std::string> channels;
-  for (const auto* topics : {&params.sighting_topics, &params.track_topics}) {
-    for (const std::string& topic : *topics) {
-      const std::string channel = channelOf(topic);
-      if (std::find(channels.begin(), channels.end(), channel) == channels.end()) channels.push_back(channel);
-    }
-  }
-  return channels;
-}
-
 /// A topic name made of what a topic name may hold.
 std::string topicOfChannel(const std::string& channel) {
   std::string topic = "/display/" + channel;
@@ -127,6 +116,18 @@ std::string channelOf(const std::string& topic) {
   return topic.substr(begin, last - begin);
 }
 
+std::vector<std::string> channelsOf(const std::vector<std::string>& sighting_topics,
+                                    const std::vector<std::string>& track_topics) {
+  std::vector<std::string> channels;
+  for (const auto* topics : {&sighting_topics, &track_topics}) {
+    for (const std::string& topic : *topics) {
+      const std::string channel = channelOf(topic);
+      if (std::find(channels.begin(), channels.end(), channel) == channels.end()) channels.push_back(channel);
+    }
+  }
+  return channels;
+}
+
 TrackDisplayNode::TrackDisplayNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
     : nh_(nh),
       guard_(nameOfNode(private_nh)),
@@ -136,7 +137,7 @@ TrackDisplayNode::TrackDisplayNode(ros::NodeHandle nh, ros::NodeHandle private_n
         reader.finish();
         return params;
       }()),
-      colours_(channelsOf(params_)),
+      colours_(channelsOf(params_.sighting_topics, params_.track_topics)),
       scene_(params_.scene, colours_),
       transform_subscriber_(nh_, transforms_, [] {}),
       frame_change_(params_.frames, transforms_) {

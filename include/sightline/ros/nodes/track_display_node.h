@@ -56,6 +56,10 @@ std::vector<FieldOfView> fieldsOfView(const sightline::core::Scenario& scenario)
 /// ("/sensors/left/tracks" -> "left").
 std::string channelOf(const std::string& topic);
 
+/// The names of all topics, each once, in their order, which colours follow.
+std::vector<std::string> channelsOf(const std::vector<std::string>& sighting_topics,
+                                    const std::vector<std::string>& track_topics);
+
 /// Shows sightings, tracks, gates and truth in rviz: MarkerArrays on /display/<sensor or tracker>,
 /// /display/fusion, /display/truth, /display/magnifier and /display/grid, at a bounded rate whatever comes
 /// in.
