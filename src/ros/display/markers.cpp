@@ -28,19 +28,6 @@ constexpr double kLineShell = 1.0;
 constexpr double kDotShell = 0.998;
 constexpr double kTextShell = 0.99;
 
-Marker emptyMarker(const Canvas& canvas, const std::string& name, int type) {
-  Marker marker;
-  marker.header.frame_id = canvas.frame;
-  marker.ns = name;
-  marker.type = type;
-  marker.action = Marker::ADD;
-  marker.pose.orientation.w = 1.0;
-  marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
-  marker.color = withAlpha(gridColour(), 1.0);
-  marker.lifetime = canvas.lifetime;
-  return marker;
-}
-
 geometry_msgs::Point pointAt(const Canvas& canvas, const Eigen::Vector3d& direction, double shell) {
   const Eigen::Vector3d position = canvas.radius * shell * direction;
   geometry_msgs::Point point;
@@ -88,6 +75,19 @@ void drawGridLines(Marker& lines, const Canvas& canvas) {
 }
 
 }  // namespace
+
+Marker emptyMarker(const Canvas& canvas, const std::string& name, int type) {
+  Marker marker;
+  marker.header.frame_id = canvas.frame;
+  marker.ns = name;
+  marker.type = type;
+  marker.action = Marker::ADD;
+  marker.pose.orientation.w = 1.0;
+  marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
+  marker.color = withAlpha(gridColour(), 1.0);
+  marker.lifetime = canvas.lifetime;
+  return marker;
+}
 
 Marker lineSheet(const Canvas& canvas, const std::string& name, double width) {
   Marker marker = emptyMarker(canvas, name, Marker::LINE_LIST);

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "sightline/core/model/sphere.h"
+#include "sightline/ros/display/markers.h"
 
 namespace sightline_ros {
 namespace {
@@ -19,17 +20,9 @@ constexpr double kMostEnlarged = 1e6;   // [1]
 constexpr double kSmallestAxis = 1e-6;  // of an ellipsoid, as a share of the size
 constexpr double kLargestAxis = 3.0;    // likewise
 
-Marker emptyMarker(const MetricCanvas& canvas, const std::string& name, int type) {
-  Marker marker;
-  marker.header.frame_id = canvas.frame;
-  marker.ns = name;
-  marker.type = type;
-  marker.action = Marker::ADD;
-  marker.pose.orientation.w = 1.0;
-  marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
-  marker.color = gridColour();
-  marker.lifetime = canvas.lifetime;
-  return marker;
+/// Sheets are as large as the scene, as those of the sphere are as large as its radius.
+Canvas sheetsOf(const MetricCanvas& canvas) {
+  return {canvas.frame, canvas.size, canvas.lifetime};
 }
 
 geometry_msgs::Point pointOf(const Eigen::Vector3d& place) {
@@ -50,19 +43,15 @@ void setOrientation(Marker& marker, const Eigen::Quaterniond& turn) {
 }  // namespace
 
 Marker metricLines(const MetricCanvas& canvas, const std::string& name, double width) {
-  Marker marker = emptyMarker(canvas, name, Marker::LINE_LIST);
-  marker.scale.x = width * canvas.size;
-  return marker;
+  return lineSheet(sheetsOf(canvas), name, width);
 }
 
 Marker metricDots(const MetricCanvas& canvas, const std::string& name, double diameter) {
-  Marker marker = emptyMarker(canvas, name, Marker::SPHERE_LIST);
-  marker.scale.x = marker.scale.y = marker.scale.z = diameter * canvas.size;
-  return marker;
+  return dotSheet(sheetsOf(canvas), name, diameter);
 }
 
 Marker metricFaces(const MetricCanvas& canvas, const std::string& name) {
-  return emptyMarker(canvas, name, Marker::TRIANGLE_LIST);
+  return patchSheet(sheetsOf(canvas), name);
 }
 
 void drawSegment(Marker& lines, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
@@ -120,7 +109,7 @@ void drawFieldOfView(Marker& lines, Marker& faces, const MetricCanvas& canvas, c
 Marker ellipsoidMarker(const MetricCanvas& canvas, const std::string& name, int id,
                        const Eigen::Vector3d& centre, const Eigen::Matrix3d& covariance, double sigmas,
                        const Colour& colour) {
-  Marker marker = emptyMarker(canvas, name, Marker::SPHERE);
+  Marker marker = emptyMarker(sheetsOf(canvas), name, Marker::SPHERE);
   marker.id = id;
   marker.pose.position = pointOf(centre);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
@@ -140,7 +129,7 @@ Marker ellipsoidMarker(const MetricCanvas& canvas, const std::string& name, int 
 
 Marker arrowMarker(const MetricCanvas& canvas, const std::string& name, int id, const Eigen::Vector3d& from,
                    const Eigen::Vector3d& step, const Colour& colour) {
-  Marker marker = emptyMarker(canvas, name, Marker::ARROW);
+  Marker marker = emptyMarker(sheetsOf(canvas), name, Marker::ARROW);
   marker.id = id;
   marker.points = {pointOf(from), pointOf(from + step)};
   marker.scale.x = 0.004 * canvas.size;  // of the shaft
@@ -152,7 +141,7 @@ Marker arrowMarker(const MetricCanvas& canvas, const std::string& name, int id, 
 
 Marker boxMarker(const MetricCanvas& canvas, const std::string& name, int id, const Eigen::Vector3d& low,
                  const Eigen::Vector3d& high, const Colour& colour) {
-  Marker marker = emptyMarker(canvas, name, Marker::CUBE);
+  Marker marker = emptyMarker(sheetsOf(canvas), name, Marker::CUBE);
   marker.id = id;
   marker.pose.position = pointOf(0.5 * (low + high));
   marker.scale.x = high.x() - low.x();
@@ -164,7 +153,7 @@ Marker boxMarker(const MetricCanvas& canvas, const std::string& name, int id, co
 
 Marker metricText(const MetricCanvas& canvas, const std::string& name, int id, const Eigen::Vector3d& place,
                   const std::string& text, double height, const Colour& colour) {
-  Marker marker = emptyMarker(canvas, name, Marker::TEXT_VIEW_FACING);
+  Marker marker = emptyMarker(sheetsOf(canvas), name, Marker::TEXT_VIEW_FACING);
   marker.id = id;
   marker.pose.position = pointOf(place);
   marker.scale.z = height * canvas.size;

@@ -31,6 +31,9 @@ struct Canvas {
   ros::Duration lifetime{1.0};         ///< after which a marker that is not repeated vanishes; 0 = never
 };
 
+/// A marker of a type of visualization_msgs/Marker with nothing in it, in the colour of the grid.
+Marker emptyMarker(const Canvas& canvas, const std::string& name, int type);
+
 // Empty sheets to draw on: one marker for all things of a kind, so that no thing outlives its report.
 Marker lineSheet(const Canvas& canvas, const std::string& name, double width);
 Marker dotSheet(const Canvas& canvas, const std::string& name, double diameter);
