@@ -21,9 +21,10 @@ std::optional<double> coordinate(const std::string& text, char positive, char ne
   return (parts[1][0] == negative ? -*number : *number) * core::kDegree;
 }
 
-class Reader {
+class CmnReader {
  public:
-  Reader(const TextFile& file, const ImportOptions& options) : file_(file), builder_("CMN", file, options) {}
+  CmnReader(const TextFile& file, const ImportOptions& options)
+      : file_(file), builder_("CMN", file, options) {}
 
   Recording read() {
     for (line_ = 1; line_ <= file_.lines(); ++line_) {
@@ -102,7 +103,7 @@ bool isCmn(const TextFile& file) {
 }
 
 Recording readCmn(const TextFile& file, const ImportOptions& options) {
-  return Reader(file, options).read();
+  return CmnReader(file, options).read();
 }
 
 }  // namespace sightline::formats

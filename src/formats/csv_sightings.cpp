@@ -42,9 +42,9 @@ bool saysNothing(const std::string& field) {
   return words.count(lowerCase(field)) > 0;
 }
 
-class Reader {
+class CsvReader {
  public:
-  Reader(const TextFile& file, const ImportOptions& options)
+  CsvReader(const TextFile& file, const ImportOptions& options)
       : file_(file), options_(options), layout_(csvLayoutOf(file, options)), builder_("CSV", file, options) {}
 
   Recording read() {
@@ -219,7 +219,7 @@ bool isCsv(const TextFile& file) {
 }
 
 Recording readCsv(const TextFile& file, const ImportOptions& options) {
-  return Reader(file, options).read();
+  return CsvReader(file, options).read();
 }
 
 }  // namespace sightline::formats

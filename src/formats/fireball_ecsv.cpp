@@ -86,9 +86,9 @@ Ecsv readHeader(const TextFile& file) {
   return ecsv;
 }
 
-class Reader {
+class EcsvReader {
  public:
-  Reader(const TextFile& file, const ImportOptions& options)
+  EcsvReader(const TextFile& file, const ImportOptions& options)
       : file_(file), ecsv_(readHeader(file)), builder_(kFormat, file, options) {}
 
   Recording read() {
@@ -217,7 +217,7 @@ bool isFireballEcsv(const TextFile& file) {
 }
 
 Recording readFireballEcsv(const TextFile& file, const ImportOptions& options) {
-  return Reader(file, options).read();
+  return EcsvReader(file, options).read();
 }
 
 }  // namespace sightline::formats

@@ -14,7 +14,7 @@
 namespace sightline::formats {
 namespace {
 
-constexpr std::size_t kSpectrum = 360, kLeastFields = 7, kStationFields = 17;
+constexpr std::size_t kSpectrum = 360, kLeastColumns = 7, kStationFields = 17;
 constexpr double kPeakTolerance = 2.5;  // [deg]: spectrum and bearing are rounded to whole degrees
 
 bool isArrangement(const std::string& text) {
@@ -23,7 +23,7 @@ bool isArrangement(const std::string& text) {
 
 /// Angle of the highest value of the spectrum [deg]; nullopt when it is flat or has two peaks alike.
 std::optional<double> peakOf(const std::vector<std::string>& fields) {
-  if (fields.size() < kLeastFields + kSpectrum) return std::nullopt;
+  if (fields.size() < kLeastColumns + kSpectrum) return std::nullopt;
   std::vector<double> values;
   for (std::size_t i = fields.size() - kSpectrum; i < fields.size(); ++i) {
     const auto value = report::numberFrom(fields[i]);
@@ -40,9 +40,9 @@ double apart(double a, double b) {
   return std::abs(core::wrapAngle((a - b) * core::kDegree)) / core::kDegree;
 }
 
-class Reader {
+class KrakenReader {
  public:
-  Reader(const TextFile& file, const ImportOptions& options)
+  KrakenReader(const TextFile& file, const ImportOptions& options)
       : file_(file), options_(options), builder_("KrakenSDR", file, options) {}
 
   Recording read() {
@@ -64,7 +64,7 @@ class Reader {
   std::vector<std::string> fieldsAt(std::size_t line) const {
     std::vector<std::string> fields = fieldsOf(file_.line(line), ',');
     while (!fields.empty() && fields.back().empty()) fields.pop_back();
-    if (fields.size() < kLeastFields || !isArrangement(fields[5])) {
+    if (fields.size() < kLeastColumns || !isArrangement(fields[5])) {
       throw file_.error(
           line,
           "expected epoch, bearing, confidence, power, frequency, arrangement (UCA, ULA or Custom) and "
@@ -166,13 +166,13 @@ bool isKrakenSdr(const TextFile& file) {
   for (std::size_t line = 1; line <= file.lines(); ++line) {
     if (file.line(line).empty()) continue;
     const auto fields = fieldsOf(file.line(line), ',');
-    return fields.size() >= kLeastFields && report::numberFrom(fields[0]) && isArrangement(fields[5]);
+    return fields.size() >= kLeastColumns && report::numberFrom(fields[0]) && isArrangement(fields[5]);
   }
   return false;
 }
 
 Recording readKrakenSdr(const TextFile& file, const ImportOptions& options) {
-  return Reader(file, options).read();
+  return KrakenReader(file, options).read();
 }
 
 }  // namespace sightline::formats

@@ -34,9 +34,9 @@ std::optional<std::vector<double>> numbersOf(std::string_view line) {
   return numbers;
 }
 
-class Reader {
+class MotReader {
  public:
-  Reader(const TextFile& file, const ImportOptions& options)
+  MotReader(const TextFile& file, const ImportOptions& options)
       : file_(file),
         options_(options),
         builder_("MOTChallenge", file, options),
@@ -131,7 +131,7 @@ bool isMotBoxes(const TextFile& file) {
 }
 
 Recording readMotBoxes(const TextFile& file, const ImportOptions& options) {
-  return Reader(file, options).read();
+  return MotReader(file, options).read();
 }
 
 }  // namespace sightline::formats

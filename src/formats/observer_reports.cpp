@@ -146,10 +146,10 @@ std::optional<Report> ukReport(std::string_view line) {
 using CutLine = std::optional<Report> (*)(std::string_view line);
 using FindCode = std::optional<AngleCode> (*)(char code);
 
-class Reader {
+class ReportReader {
  public:
-  Reader(const std::string& format, CutLine cut, FindCode find_code, const TextFile& file,
-         const ImportOptions& options)
+  ReportReader(const std::string& format, CutLine cut, FindCode find_code, const TextFile& file,
+               const ImportOptions& options)
       : file_(file), cut_(cut), find_code_(find_code), builder_(format, file, options) {}
 
   Recording read() {
@@ -243,11 +243,11 @@ bool isUk(const TextFile& file) {
 }
 
 Recording readIod(const TextFile& file, const ImportOptions& options) {
-  return Reader("IOD report", iodReport, iodCode, file, options).read();
+  return ReportReader("IOD report", iodReport, iodCode, file, options).read();
 }
 
 Recording readUk(const TextFile& file, const ImportOptions& options) {
-  return Reader("UK report", ukReport, ukCode, file, options).read();
+  return ReportReader("UK report", ukReport, ukCode, file, options).read();
 }
 
 }  // namespace sightline::formats

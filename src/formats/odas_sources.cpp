@@ -17,9 +17,9 @@ namespace {
 constexpr std::size_t kLongestObject = 64 << 10;  // [bytes]
 constexpr int kDeepest = 8;                       // objects within objects
 
-class Reader {
+class OdasReader {
  public:
-  Reader(const TextFile& file, const ImportOptions& options)
+  OdasReader(const TextFile& file, const ImportOptions& options)
       : file_(file), options_(options), builder_("ODAS", file, options) {}
 
   Recording read() {
@@ -114,7 +114,7 @@ bool isOdas(const TextFile& file) {
 }
 
 Recording readOdas(const TextFile& file, const ImportOptions& options) {
-  return Reader(file, options).read();
+  return OdasReader(file, options).read();
 }
 
 }  // namespace sightline::formats

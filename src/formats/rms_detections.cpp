@@ -33,9 +33,9 @@ std::optional<core::Time> timeOfImage(const std::string& name) {
   return *whole + core::Duration(std::stoll(fraction));
 }
 
-class Reader {
+class RmsReader {
  public:
-  Reader(const TextFile& file, const ImportOptions& options)
+  RmsReader(const TextFile& file, const ImportOptions& options)
       : file_(file), builder_("RMS FTPdetectinfo", file, options) {}
 
   Recording read() {
@@ -153,7 +153,7 @@ bool isRmsDetections(const TextFile& file) {
 }
 
 Recording readRmsDetections(const TextFile& file, const ImportOptions& options) {
-  return Reader(file, options).read();
+  return RmsReader(file, options).read();
 }
 
 }  // namespace sightline::formats

@@ -16,10 +16,6 @@
 namespace sightline::report {
 namespace {
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 bool isIn(NumberRange range, double value) {
   switch (range) {
     case NumberRange::at_least_zero:
@@ -57,15 +53,15 @@ CommandLine::CommandLine(const std::vector<std::string>& words, const std::vecto
       arguments_.push_back(words[i]);
       continue;
     }
-    if (contains(flags, words[i])) {
+    if (isAmong(flags, words[i])) {
       options_[words[i]];  // given, without a value
       continue;
     }
     const std::size_t equals = words[i].find('=');
     const std::string name = words[i].substr(0, equals);
-    if (contains(flags, name))
+    if (isAmong(flags, name))
       throw UsageError("option " + name + " takes no value: write " + name + " alone");
-    if (!contains(options, name)) throw UsageError("unknown option " + name);
+    if (!isAmong(options, name)) throw UsageError("unknown option " + name);
     if (equals != std::string::npos) {
       options_[name].push_back(words[i].substr(equals + 1));
     } else if (i + 1 < words.size()) {

@@ -48,10 +48,6 @@ std::optional<core::Time> plainDecimal(const std::string& text) {
   return core::timeOf(match[1].str() == "-" ? -nanoseconds : nanoseconds);
 }
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 }  // namespace
 
 CsvTable::CsvTable(std::istream& stream, std::string name, const std::vector<std::string>& required,
@@ -86,7 +82,7 @@ void CsvTable::readHeader(const std::string& line, const std::vector<std::string
   const std::string byte_order_mark = "\xEF\xBB\xBF";
   const bool marked = line.compare(0, byte_order_mark.size(), byte_order_mark) == 0;
   for (const std::string& column : fieldsOf(marked ? line.substr(byte_order_mark.size()) : line)) {
-    if (!contains(required, column) && !contains(optional, column)) {
+    if (!isAmong(required, column) && !isAmong(optional, column)) {
       std::vector<std::string> known = required;
       known.insert(known.end(), optional.begin(), optional.end());
       throw errorAt(1, "unknown column \"" + column + "\" in the header; there are " + joined(known));

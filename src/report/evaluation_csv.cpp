@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "sightline/report/output_file.h"
+#include "sightline/report/value_text.h"
 
 namespace sightline::report {
 namespace {
@@ -45,14 +46,6 @@ const std::vector<const char*> kColumns = {"kind",
                                            "never_confirmed",
                                            "confirm_median",
                                            "confirm_worst"};
-
-std::string orEmpty(double value) {
-  if (std::isnan(value)) return "";
-  std::ostringstream text;
-  text.precision(10);
-  text << value;
-  return text.str();
-}
 
 const char* nameOf(EvaluationRow::Kind kind) {
   switch (kind) {

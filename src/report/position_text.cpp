@@ -6,17 +6,10 @@
 #include <vector>
 
 #include "sightline/report/evaluation_text.h"
+#include "sightline/report/value_text.h"
 
 namespace sightline::report {
 namespace {
-
-std::string orEmpty(double value) {
-  if (std::isnan(value)) return "";
-  std::ostringstream text;
-  text.precision(10);
-  text << value;
-  return text.str();
-}
 
 std::vector<std::string> errorCells(const core::PositionErrors& errors) {
   return {std::to_string(errors.samples), readable(errors.rmse), readable(errors.median),

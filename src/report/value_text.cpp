@@ -1,5 +1,6 @@
 #include "sightline/report/value_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <iomanip>
@@ -32,6 +33,17 @@ std::optional<double> numberFrom(const std::string& text) {
   const double number = std::strtod(text.c_str(), &end);
   if (text.empty() || *end != '\0' || !std::isfinite(number)) return std::nullopt;
   return number;
+}
+
+std::string orEmpty(double value) {
+  if (std::isnan(value)) return "";
+  std::ostringstream text;
+  text << std::setprecision(10) << value;
+  return text.str();
+}
+
+bool isAmong(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 }  // namespace sightline::report

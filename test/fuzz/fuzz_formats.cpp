@@ -72,7 +72,7 @@ formats::ImportOptions randomOptions(RandomInput& input) {
   return options;
 }
 
-void requireSound(const formats::Recording& recording, bool is_truth) {
+void requireSoundRecording(const formats::Recording& recording, bool is_truth) {
   for (std::size_t k = 0; k < recording.scans.size(); ++k) {
     const formats::FileScan& scan = recording.scans[k];
     require(k == 0 || recording.scans[k - 1].time <= scan.time, "scans of a file are not in order of time");
@@ -98,7 +98,7 @@ void fuzzFormats(RandomInput& input, Trial& trial) {
     const std::string text = mutated(input, sample);
     trial.callThatRefuses<formats::FormatError>("readRecording", [&] {
       const formats::Recording recording = formats::readRecording(formats::TextFile("file", text), options);
-      requireSound(recording, options.for_truth);
+      requireSoundRecording(recording, options.for_truth);
       formats::truthCsv(recording);
     });
   }

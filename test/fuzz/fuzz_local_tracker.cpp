@@ -15,7 +15,7 @@ namespace core = sightline::core;
 
 namespace {
 
-void requireSound(const core::ScanReport& report, const core::Scan& scan) {
+void requireSoundReport(const core::ScanReport& report, const core::Scan& scan) {
   sightline_fuzz::requireSound(report.tracks);
   require(report.associations.size() == scan.sightings.size(), "not one association for each sighting");
   for (std::size_t j = 0; j < report.associations.size(); ++j) {
@@ -29,7 +29,7 @@ void requireSound(const core::ScanReport& report, const core::Scan& scan) {
   require(report.use.noise_scale > 0.0, "the noise scale of a scan is not positive");
 }
 
-void requireSound(const core::TrackletReport& report) {
+void requireSoundTracklets(const core::TrackletReport& report) {
   for (const core::TrackTracklet& entry : report.tracklets) {
     const core::Sighting& sighting = entry.tracklet.sighting;
     require(entry.track != 0 && !entry.tracklet.sensor.empty(), "a tracklet of no track or sensor");
@@ -53,8 +53,8 @@ void fuzzLocalTracker(RandomInput& input, Trial& trial) {
     const core::Scan scan = scans.next();
     trial.call("LocalTracker::onScan", [&] {
       const core::ScanReport report = tracker.onScan(scan);
-      requireSound(report, scan);
-      if (const auto tracklets = builder.onScan(scan, report)) requireSound(*tracklets);
+      requireSoundReport(report, scan);
+      if (const auto tracklets = builder.onScan(scan, report)) requireSoundTracklets(*tracklets);
     });
     if (input.chance(0.01)) tracker.startAnew(scan.time);
   }
@@ -90,7 +90,7 @@ void fuzzArrivalOrder(RandomInput& input, Trial& trial) {
   for (const Arrival& arrival : arrivals) {
     trial.call("LocalTracker::onScan out of order", [&] {
       const core::ScanReport report = as_they_come.onScan(scans[arrival.scan]);
-      requireSound(report, scans[arrival.scan]);
+      requireSoundReport(report, scans[arrival.scan]);
       got = report.tracks;
     });
   }

@@ -7,12 +7,15 @@
 
 #include <gtest/gtest.h>
 
+#include "support/complaint.h"
+
 namespace {
 
 using sightline::report::CommandLine;
 using sightline::report::NumberRange;
 using sightline::report::runTool;
 using sightline::report::UsageError;
+using sightline::test::complaintOf;
 
 using Words = std::vector<std::string>;
 
@@ -44,15 +47,6 @@ TEST(CommandLine, WhatCannotBeUnderstoodIsRefused) {
   EXPECT_THROW(CommandLine({"one", "two", "three"}, kOptions, 2, 2), UsageError);
 }
 
-std::string complaintOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(CommandLine, FlagsTakeNoValue) {
   const CommandLine line({"--fast", "in.bag"}, kOptions, 1, 1, {"--fast", "--slow"});
   EXPECT_TRUE(line.has("--fast"));
@@ -66,12 +60,12 @@ TEST(CommandLine, NumbersAreOfTheirRangeOrRefusedWithValueAndRemedy) {
   EXPECT_EQ(line("-2.5e1").number("--topic", 7.0), -25.0);
   EXPECT_EQ(line("1").number("--config", 7.0), 7.0);
   EXPECT_EQ(line("0").number("--topic", 7.0, NumberRange::at_least_zero), 0.0);
-  EXPECT_EQ(complaintOf([&] { line("0").number("--topic", 7.0, NumberRange::above_zero); }),
+  EXPECT_EQ(complaintOf<UsageError>([&] { line("0").number("--topic", 7.0, NumberRange::above_zero); }),
             "--topic: expected a number above 0, got \"0\" (write for instance --topic 1)");
-  EXPECT_EQ(complaintOf([&] { line("-1").number("--topic", 7.0, NumberRange::at_least_zero); }),
+  EXPECT_EQ(complaintOf<UsageError>([&] { line("-1").number("--topic", 7.0, NumberRange::at_least_zero); }),
             "--topic: expected a number of at least 0, got \"-1\" (write for instance --topic 1)");
   for (const char* text : {"", "1 s", "nan", "inf", "one"})
-    EXPECT_NE(complaintOf([&] { line(text).number("--topic", 7.0); }), "") << text;
+    EXPECT_NE(complaintOf<UsageError>([&] { line(text).number("--topic", 7.0); }), "") << text;
 }
 
 TEST(CommandLine, WholeNumbersHaveNoFraction) {
@@ -79,7 +73,7 @@ TEST(CommandLine, WholeNumbersHaveNoFraction) {
   EXPECT_EQ(line("17").wholeNumber("--topic", 3), 17);
   EXPECT_EQ(line("17").wholeNumber("--config", 3), 3);
   for (const char* text : {"1.5", "-1", "3e9", "x"})
-    EXPECT_NE(complaintOf([&] { line(text).wholeNumber("--topic", 3); }), "") << text;
+    EXPECT_NE(complaintOf<UsageError>([&] { line(text).wholeNumber("--topic", 3); }), "") << text;
 }
 
 TEST(CommandLine, YesAndNoAreTheOnlyAnswers) {
@@ -87,7 +81,7 @@ TEST(CommandLine, YesAndNoAreTheOnlyAnswers) {
   EXPECT_TRUE(line("yes").yesOrNo("--topic", false));
   EXPECT_FALSE(line("no").yesOrNo("--topic", true));
   EXPECT_TRUE(line("no").yesOrNo("--config", true));
-  EXPECT_EQ(complaintOf([&] { line("maybe").yesOrNo("--topic", true); }),
+  EXPECT_EQ(complaintOf<UsageError>([&] { line("maybe").yesOrNo("--topic", true); }),
             "--topic: expected yes or no, got \"maybe\" (write for instance --topic yes)");
 }
 

@@ -5,7 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "support/complaint.h"
+
 using namespace sightline::report;
+using sightline::test::complaintOf;
 namespace core = sightline::core;
 
 namespace {
@@ -13,15 +16,6 @@ namespace {
 CsvTable table(const std::string& text) {
   std::istringstream stream(text);
   return CsvTable(stream, "in.csv", {"time", "x"}, {"name"});
-}
-
-std::string complaintOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const CsvError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(CsvTable, ColumnsStandInAnyOrderAndBlankLinesDoNotCount) {
@@ -42,27 +36,29 @@ TEST(CsvTable, TimesAreExactToTheNanosecond) {
 
 TEST(CsvTable, AComplaintNamesFileLineAndValue) {
   const CsvTable read = table("time,x\n\n1,far\n1e12,1\n");
-  EXPECT_EQ(complaintOf([&] { read.number(0, "x", "m"); }),
+  EXPECT_EQ(complaintOf<CsvError>([&] { read.number(0, "x", "m"); }),
             "in.csv:3: x: expected a finite number [m], got \"far\"");
-  EXPECT_EQ(complaintOf([&] { read.time(1, "time"); }),
+  EXPECT_EQ(complaintOf<CsvError>([&] { read.time(1, "time"); }),
             "in.csv:4: time: expected seconds, got 1e12 (milli- or nanoseconds?)");
   EXPECT_EQ(std::string(read.error(0, "x: is far").what()), "in.csv:3: x: is far");
 }
 
 TEST(CsvTable, AHeaderWithMistakesIsRefused) {
-  EXPECT_NE(complaintOf([] { table(""); }).find("expected a header line: time,x"), std::string::npos);
-  EXPECT_NE(complaintOf([] { table("time\n"); }).find("\"x\" is missing"), std::string::npos);
-  EXPECT_NE(complaintOf([] { table("time,x,y\n"); }).find("unknown column \"y\""), std::string::npos);
-  EXPECT_NE(complaintOf([] { table("time,x,x\n"); }).find("stands twice"), std::string::npos);
+  EXPECT_NE(complaintOf<CsvError>([] { table(""); }).find("expected a header line: time,x"),
+            std::string::npos);
+  EXPECT_NE(complaintOf<CsvError>([] { table("time\n"); }).find("\"x\" is missing"), std::string::npos);
+  EXPECT_NE(complaintOf<CsvError>([] { table("time,x,y\n"); }).find("unknown column \"y\""),
+            std::string::npos);
+  EXPECT_NE(complaintOf<CsvError>([] { table("time,x,x\n"); }).find("stands twice"), std::string::npos);
 }
 
 TEST(CsvTable, ARowOfAnotherLengthIsRefused) {
-  EXPECT_EQ(complaintOf([] { table("time,x\n1,2,3\n"); }), "in.csv:2: expected 2 fields, got 3");
+  EXPECT_EQ(complaintOf<CsvError>([] { table("time,x\n1,2,3\n"); }), "in.csv:2: expected 2 fields, got 3");
 }
 
 TEST(CsvTable, AFileThatIsNotThereIsRefusedByName) {
   const auto read = [] { CsvTable::fromFile("/no/such/file.csv", {"time"}); };
-  EXPECT_EQ(complaintOf(read).find("/no/such/file.csv: cannot be opened"), 0u);
+  EXPECT_EQ(complaintOf<CsvError>(read).find("/no/such/file.csv: cannot be opened"), 0u);
 }
 
 }  // namespace

@@ -8,28 +8,15 @@
 
 #include <gtest/gtest.h>
 
+#include "support/complaint.h"
 #include "support/file_size_limit.h"
 #include "support/scratch_folder.h"
 
 using namespace sightline::report;
+using sightline::test::complaintOf;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string textOf(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
-std::string complaintOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const OutputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(TextFile, IsInItsPlaceOnlyWhenItIsFinished) {
   const ScratchFolder folder;
@@ -37,13 +24,13 @@ TEST(TextFile, IsInItsPlaceOnlyWhenItIsFinished) {
   {
     TextFile file(path);
     file.stream() << "half of it" << std::flush;
-    EXPECT_EQ(textOf(path), "before");
+    EXPECT_EQ(textOfFile(path), "before");
   }
-  EXPECT_EQ(textOf(path), "before");
+  EXPECT_EQ(textOfFile(path), "before");
   TextFile file(path);
   file.stream() << "all of it";
   file.finish();
-  EXPECT_EQ(textOf(path), "all of it");
+  EXPECT_EQ(textOfFile(path), "all of it");
   EXPECT_FALSE(fs::exists(path + ".unfinished"));
 }
 
@@ -51,7 +38,7 @@ TEST(TextFile, OnAFullDiskIsAnErrorWithTheReasonAndLeavesNothing) {
   const ScratchFolder folder;
   const std::string path = folder.file("out.csv");
   const std::string text(100000, 'x');
-  const std::string said = complaintOf([&] {
+  const std::string said = complaintOf<OutputError>([&] {
     TextFile file(path);
     const FileSizeLimit limit(4096);
     file.stream() << text;
@@ -62,7 +49,7 @@ TEST(TextFile, OnAFullDiskIsAnErrorWithTheReasonAndLeavesNothing) {
 }
 
 TEST(TextFile, ADeviceIsWrittenDirectlyAndItsErrorTold) {
-  EXPECT_EQ(complaintOf([] {
+  EXPECT_EQ(complaintOf<OutputError>([] {
               TextFile file("/dev/full");
               file.stream() << "text";
               file.finish();
@@ -77,11 +64,12 @@ TEST(TextFile, ADeviceIsWrittenDirectlyAndItsErrorTold) {
 TEST(TextFile, WhatCannotBeWrittenIsRefusedByNameAndReason) {
   const ScratchFolder folder;
   const std::string missing = folder.file("no/such/folder.csv");
-  EXPECT_EQ(complaintOf([&] { TextFile file(missing); }),
+  EXPECT_EQ(complaintOf<OutputError>([&] { TextFile file(missing); }),
             missing + ": cannot be written: No such file or directory");
   const std::string self = fs::path(folder.file("x")).parent_path();
-  EXPECT_EQ(complaintOf([&] { TextFile file(self); }), self + ": cannot be written: it is a folder");
-  EXPECT_NE(complaintOf([] { TextFile file(""); }), "");
+  EXPECT_EQ(complaintOf<OutputError>([&] { TextFile file(self); }),
+            self + ": cannot be written: it is a folder");
+  EXPECT_NE(complaintOf<OutputError>([] { TextFile file(""); }), "");
 }
 
 TEST(OutputFile, AnInputIsNotOverwrittenUnderWhateverName) {
@@ -91,17 +79,17 @@ TEST(OutputFile, AnInputIsNotOverwrittenUnderWhateverName) {
   fs::create_hard_link(input, folder.file("hard.csv"));
   const std::string other_way = (fs::path(input).parent_path() / "." / "in.csv").string();
   for (const std::string& name : {input, folder.file("link.csv"), folder.file("hard.csv"), other_way}) {
-    EXPECT_EQ(complaintOf([&] {
+    EXPECT_EQ(complaintOf<OutputError>([&] {
                 OutputFile file(name, {"", input});
               }),
               input + " cannot be read and written at once: name another output")
         << name;
   }
   const std::string unfinished = folder.write("out.csv.unfinished", "an input, too");
-  EXPECT_NE(complaintOf([&] { OutputFile file(folder.file("out.csv"), {unfinished}); }), "");
-  EXPECT_EQ(textOf(input), "data");
-  EXPECT_EQ(textOf(unfinished), "an input, too");
-  EXPECT_EQ(complaintOf([&] { OutputFile file(folder.file("other.csv"), {input}); }), "");
+  EXPECT_NE(complaintOf<OutputError>([&] { OutputFile file(folder.file("out.csv"), {unfinished}); }), "");
+  EXPECT_EQ(textOfFile(input), "data");
+  EXPECT_EQ(textOfFile(unfinished), "an input, too");
+  EXPECT_EQ(complaintOf<OutputError>([&] { OutputFile file(folder.file("other.csv"), {input}); }), "");
 }
 
 TEST(OutputFile, AFileThatMayNotBeWrittenIsNotReplaced) {
@@ -109,7 +97,8 @@ TEST(OutputFile, AFileThatMayNotBeWrittenIsNotReplaced) {
   const ScratchFolder folder;
   const std::string path = folder.write("out.csv", "before");
   fs::permissions(path, fs::perms::owner_read);
-  EXPECT_EQ(complaintOf([&] { TextFile file(path); }), path + ": cannot be written: Permission denied");
+  EXPECT_EQ(complaintOf<OutputError>([&] { TextFile file(path); }),
+            path + ": cannot be written: Permission denied");
 }
 
 TEST(OutputFile, ALinkStaysALinkToWhatIsWritten) {
@@ -120,7 +109,7 @@ TEST(OutputFile, ALinkStaysALinkToWhatIsWritten) {
   file.stream() << "after";
   file.finish();
   EXPECT_TRUE(fs::is_symlink(folder.file("link.csv")));
-  EXPECT_EQ(textOf(target), "after");
+  EXPECT_EQ(textOfFile(target), "after");
 }
 
 }  // namespace

@@ -13,12 +13,6 @@ namespace core = sightline::core;
 
 namespace {
 
-std::string textOf(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
 core::ScoredPair pair() {
   core::ScoredPair pair;
   pair.topic = "/tracks";
@@ -50,11 +44,11 @@ TEST(ScoreFiles, HoldALineForEachPairAndReport) {
     listener.report(report);
     files.finish();
   }
-  EXPECT_EQ(textOf(folder.file("scores/errors.csv")),
+  EXPECT_EQ(textOfFile(folder.file("scores/errors.csv")),
             "topic,name,time,target,track,azimuth,elevation,truth_azimuth,truth_elevation,error_azimuth,"
             "error_elevation,sigma_azimuth,sigma_elevation,nees_position,nees_state\n"
             "/tracks,tracker,1.5,2,9,0.5,0.25,0.375,0.125,0.125,0.0625,0.5,0.25,0.750000,\n");
-  EXPECT_EQ(textOf(folder.file("scores/gospa.csv")),
+  EXPECT_EQ(textOfFile(folder.file("scores/gospa.csv")),
             "topic,time,distance,localisation,missed,false,ospa\n/tracks,2,0.5,0,1,3,0.25\n");
 }
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <unistd.h>
 
@@ -27,3 +28,9 @@ class ScratchFolder {
  private:
   std::filesystem::path path_;
 };
+/// All that a file holds.
+inline std::string textOfFile(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}

@@ -3,6 +3,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 /// Numbers with units and lists of names, in the sentences that an operator reads.
 namespace sightline::report {
@@ -15,5 +16,10 @@ std::string listOf(const std::set<std::string>& names, std::size_t most = 8);
 
 /// The finite number that the whole text is; nullopt when it is none.
 std::optional<double> numberFrom(const std::string& text);
+
+/// A figure as a cell of a CSV file, ten digits; empty where it is not known (NaN).
+std::string orEmpty(double value);
+
+bool isAmong(const std::vector<std::string>& names, const std::string& name);
 
 }  // namespace sightline::report

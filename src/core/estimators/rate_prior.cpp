@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "sightline/core/estimators/estimator.h"
+#include "sightline/core/estimators/revisit_time.h"
 #include "sightline/core/model/sphere.h"
 
 namespace sightline::core {
@@ -15,7 +16,6 @@ namespace {
 
 constexpr int kComponents = 10;
 constexpr double kLeastSigma = 1e-7, kMostSigma = 30.0;  // of a rate [rad/s]
-constexpr double kSameTime = 1e-6;                       // sightings closer than this tell no rate [s]
 constexpr double kHidden = 0.3;  // of the noise of a rate by two looks: the least component
 constexpr double kGrid = 2.8, kBetweenGrid = 1.25;
 constexpr double kFarthest = 1.0;  // standard deviation [rad] of an offset of which nothing is known: the

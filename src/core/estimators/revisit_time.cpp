@@ -6,7 +6,6 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kSameTime = 1e-6;    // sightings closer than this are of one instant [s]
 constexpr double kNewest = 0.2;       // share of the newest interval in the usual one
 constexpr double kLargestStep = 4.0;  // a longer interval counts as so many usual ones: it may be a gap
 constexpr double kIntervalsOfUnit = 3.0;

@@ -5,10 +5,11 @@
 #include <limits>
 #include <stdexcept>
 
+#include "sightline/core/estimators/revisit_time.h"
+
 namespace sightline::core {
 namespace {
 
-constexpr double kSameTime = 1e-6;    // ages closer than this [s] determine no rate
 constexpr double kMisfitPrior = 4.0;  // degrees of freedom of the belief that the stated sigmas are right
 
 /// What a sighting of age s adds to (C_1, C_2) for each radian of its value: a column of P F^T W.

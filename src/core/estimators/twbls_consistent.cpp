@@ -9,7 +9,6 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kSameTime = 1e-6;            // sightings closer than this [s] determine no rate
 constexpr std::size_t kMostSightings = 4096;  // of a window, whatever its span
 constexpr std::size_t kUsualSightings = 256;  // that one sensor of 33 Hz needs
 

@@ -2,15 +2,8 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 
 namespace sightline::core {
-namespace {
-
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
-
 std::uint64_t Appearances::Appearance::most() const {
   std::uint64_t most = 0;
   for (const auto& [track, reports] : with_track) most = std::max(most, reports);

@@ -9,7 +9,6 @@ namespace {
 constexpr double kSigmasOfMatch = 10.0;
 constexpr double kMatchGateWithoutSigma = 0.1;  // [rad]
 constexpr double kSecondsPerHour = 3600.0;
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 void fillErrors(EvaluationRow& row, const ErrorStatistics& errors, double best_sigma) {
   row.samples = errors.samples();

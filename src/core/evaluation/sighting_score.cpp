@@ -9,8 +9,6 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kForbidden = std::numeric_limits<double>::infinity();
-
 double statedVariance(const Sighting& sighting, Channels channels) {
   return channels == Channels::azimuth_only ? anglesCovariance(sighting)(0, 0)
                                             : 0.5 * sighting.covariance.trace();

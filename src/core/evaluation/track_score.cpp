@@ -9,10 +9,8 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kForbidden = std::numeric_limits<double>::infinity();
 constexpr double kKeepShare = 1.0 / 3.0;  // of the gate, by which a target keeps its track
 constexpr double kLongestStep = 2.0;      // [s] between reports; after more the tracker was silent
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// The direction that distances are measured from; without elevations, on the horizon.
 Eigen::Vector3d comparable(const Eigen::Vector2d& angles, Channels channels) {

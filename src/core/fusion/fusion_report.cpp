@@ -14,8 +14,7 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kGateSigmas = 3.0;    // half width of the reported gate
-constexpr double kLargestSigma = kPi;  // of a position on the sphere [rad]: beyond, it may be anywhere
+constexpr double kGateSigmas = 3.0;  // half width of the reported gate
 
 SourceTrack rowOf(const Supporter& supporter, Time now) {
   SourceTrack row;
@@ -76,7 +75,7 @@ std::optional<Refusal> whyNoTrack(const AngularState& state_tracking) {
   if (!state_tracking.mean.allFinite() || !state_tracking.covariance.allFinite())
     return Refusal{"undetermined", "the fused state is not finite"};
   const double sigma = largestPositionSigma(state_tracking);
-  if (!(sigma <= kLargestSigma)) {
+  if (!(sigma <= kLargestDirectionSigma)) {
     return Refusal{"too uncertain", "the fused position has a sigma of " + std::to_string(sigma) +
                                         " rad, which is more than the sphere"};
   }

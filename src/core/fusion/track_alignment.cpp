@@ -15,8 +15,8 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kSmallestSigma = 1e-9;       // [rad]: a thousandth of an arc second
-constexpr double kLargestSigma = 1e3;         // [rad]: "not known", in one direction
+constexpr double kSmallestKnownSigma = 1e-9;  // [rad]: a thousandth of an arc second
+constexpr double kLargestKnownSigma = 1e3;    // [rad]: "not known", in one direction
 constexpr double kLargestRate = 1e4;          // [rad/s]
 constexpr double kLargestRateSigma = 1e6;     // [rad/s]: "not known"
 constexpr double kAsymmetry = 1e-6;           // of an entry, relative to the two sigmas
@@ -36,7 +36,7 @@ bool isPositiveDefinite(const Eigen::Matrix4d& correlation) {
 
 /// Sigmas of two components on the sphere, where azimuth shrinks with the cosine of the elevation, ascending.
 Eigen::Vector2d sigmasOnSphere(const Eigen::Matrix2d& covariance, double elevation) {
-  const Eigen::Vector2d shrink(std::max(std::cos(elevation), kSmallestSigma), 1.0);
+  const Eigen::Vector2d shrink(std::max(std::cos(elevation), kSmallestKnownSigma), 1.0);
   const Eigen::Matrix2d on_sphere = shrink.asDiagonal() * covariance * shrink.asDiagonal();
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(on_sphere, Eigen::EigenvaluesOnly)
       .eigenvalues()
@@ -86,8 +86,8 @@ std::optional<Refusal> rejectionOf(const AngularState& state) {
   }
   const Eigen::Vector2d sigmas = sigmasOnSphere(state.anglesCovariance(), state.mean(1));
   const double least = sigmas(0);
-  if (!(least >= kSmallestSigma)) {
-    why << "sigma " << least << " rad is below " << kSmallestSigma << " rad: no tracker is that good";
+  if (!(least >= kSmallestKnownSigma)) {
+    why << "sigma " << least << " rad is below " << kSmallestKnownSigma << " rad: no tracker is that good";
     return invalid(why.str());
   }
   if (!(least <= kPi / 2.0)) {
@@ -95,8 +95,8 @@ std::optional<Refusal> rejectionOf(const AngularState& state) {
         << " rad is above pi/2 in every direction: the track says nothing; are these degrees?";
     return invalid(why.str());
   }
-  if (!(sigmas(1) <= kLargestSigma)) {
-    why << "sigma " << sigmas(1) << " rad is above " << kLargestSigma << " rad: the state has diverged";
+  if (!(sigmas(1) <= kLargestKnownSigma)) {
+    why << "sigma " << sigmas(1) << " rad is above " << kLargestKnownSigma << " rad: the state has diverged";
     return invalid(why.str());
   }
   const double rate = std::hypot(std::cos(state.mean(1)) * state.mean(2), state.mean(3));

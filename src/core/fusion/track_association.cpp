@@ -12,7 +12,7 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kReachSlack = 2.0;        // of the gate, before distances are computed exactly
+constexpr double kGateSlack = 2.0;         // of the gate, before distances are computed exactly
 constexpr double kMergeSlack = 8.0;        // the same for global tracks, whose states are not their estimates
 constexpr std::size_t kMostCompared = 30;  // tracks of a report that show their tracker's misalignment
 constexpr double kShortAge = 0.2;          // for which that is enough [s]
@@ -21,7 +21,7 @@ constexpr double kTrackSigmas = 3.0;       // ... and as many of the tracks' own
 constexpr int kLeastWitnesses = 2;         // other trackers that agree on where the target is
 
 /// Something to be assigned to a global track: a free local track, or (without key) a global track.
-struct Row {
+struct AssignedRow {
   std::optional<LocalKey> key;
   std::size_t entry = 0;  // without key; with one that which the local track had before, if it waits for it
   AngularState state_tracking;
@@ -34,7 +34,7 @@ struct CostContext {
   const TrackerMisalignment& misalignment;
   double join_threshold;
 
-  double sigmaOf(const Row& row) const {
+  double sigmaOf(const AssignedRow& row) const {
     return row.key ? misalignment.sigma(row.key->tracker) : misalignment.largestSigma();
   }
 };
@@ -55,7 +55,7 @@ bool areNear(const GlobalTrack& a, const GlobalTrack& b, const CostContext& cont
 
 /// Whether a row at `place` in an estimate's chart is outside its gate for certain, however its covariance
 /// grows on the way to the common time.
-bool isFarAway(const Row& row, const Eigen::Vector2d& place, const Estimate<4>& estimate,
+bool isFarAway(const AssignedRow& row, const Eigen::Vector2d& place, const Estimate<4>& estimate,
                const CostContext& context) {
   const double age = std::abs(seconds(context.tracks.time() - row.time));
   if (age > kShortAge) return false;
@@ -63,7 +63,7 @@ bool isFarAway(const Row& row, const Eigen::Vector2d& place, const Estimate<4>& 
   const double variance = row.state_tracking.covariance.trace() +  // of rates too: they grow in < 1 s
                           estimate.covariance.topLeftCorner<2, 2>().trace() +
                           2.0 * context.sigmaOf(row) * context.sigmaOf(row);
-  const double reach = std::sqrt(kReachSlack * context.join_threshold * variance) +
+  const double reach = std::sqrt(kGateSlack * context.join_threshold * variance) +
                        age * row.state_tracking.mean.tail<2>().norm();
   return apart.squaredNorm() > reach * reach;
 }
@@ -71,7 +71,7 @@ bool isFarAway(const Row& row, const Eigen::Vector2d& place, const Estimate<4>& 
 /// Whether they may be one by what is known of them beside their states. A global track without supporters is
 /// not shown: to become one with it would give one that is shown an id that nobody has seen for a while. And
 /// it waits for the local track that it had, which does not take another one's place.
-bool mayBeOne(const Row& row, std::size_t column, const std::vector<GlobalTrackEntry>& entries) {
+bool mayBeOne(const AssignedRow& row, std::size_t column, const std::vector<GlobalTrackEntry>& entries) {
   const GlobalTrack& track = entries[column].track;
   if (!row.key) return !track.supporters().empty() && !entries[row.entry].track.hasAnyTrackerOf(track);
   return !track.supporters().empty() || row.entry == entries.size() || row.entry == column;
@@ -80,19 +80,19 @@ bool mayBeOne(const Row& row, std::size_t column, const std::vector<GlobalTrackE
 /// Normalised distances squared and ln det of their covariances, so that a vague track near to many does not
 /// take a sharp one's place; forbidden beyond the gate, and between global tracks with a tracker in common.
 /// To stay alone costs as much as the vaguest pair at the gate.
-Costs costsOf(const std::vector<Row>& rows, const std::vector<std::size_t>& columns,
+Costs costsOf(const std::vector<AssignedRow>& rows, const std::vector<std::size_t>& columns,
               const CostContext& context) {
   const std::vector<GlobalTrackEntry>& entries = context.tracks.entries();
   std::optional<double> largest_log_determinant;
   Eigen::MatrixXd costs = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(rows.size()),
                                                     static_cast<Eigen::Index>(columns.size()), kForbidden);
   std::vector<Eigen::Vector3d> directions;
-  for (const Row& row : rows) directions.push_back(directionOf(row.state_tracking.angles()));
+  for (const AssignedRow& row : rows) directions.push_back(directionOf(row.state_tracking.angles()));
   for (Eigen::Index column = 0; column < costs.cols(); ++column) {
     const GlobalTrack& track = entries[columns[static_cast<std::size_t>(column)]].track;
     const Estimate<4> estimate = track.opinion();
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const Row& row = rows[i];
+      const AssignedRow& row = rows[i];
       const Eigen::Vector2d place = track.chart().coordinatesOf(directions[i]);
       if (isFarAway(row, place, estimate, context) || !track.chart().holds(place)) continue;
       if (!mayBeOne(row, columns[static_cast<std::size_t>(column)], entries)) continue;
@@ -297,7 +297,7 @@ void TrackAssociation::wait(const std::vector<SupporterMove>& moves, const Globa
 
 void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& reports,
                                  const TrackletMemory& memory, const std::string& tracker, bool merge) {
-  std::vector<Row> rows;
+  std::vector<AssignedRow> rows;
   for (const auto& [key, local] : freeTracksOf(tracks, reports, tracker))
     rows.push_back({key, tracks.formerOf(key, local), local.track.state, local.time});
   if (rows.empty() && !merge) return;

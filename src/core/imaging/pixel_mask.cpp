@@ -8,7 +8,7 @@ namespace sightline::core {
 namespace {
 
 constexpr float kLargest = 1e18F;  // grey levels; squares of these still fit into a float
-constexpr float kInfinite = std::numeric_limits<float>::infinity();
+constexpr float kInfiniteGrowth = std::numeric_limits<float>::infinity();
 constexpr double kLeastRing = 12.0;    // pixels: three for the plane, and some more
 constexpr double kLeastSpread = 1.0;   // [px^2] of the ring's pixels, in the direction of least
 constexpr double kNoiseOfCross = 0.8;  // variance of a smoothed pixel over that of (S-89)'s difference
@@ -91,7 +91,7 @@ void PixelMask::mendContrast(const std::vector<float>& smoothed, std::vector<flo
   forRingsWithBad(plane_columns_, smoothed, whole_, [&](int u, int v, const Sums<kPlane>& sums) {
     const std::size_t here = at(u, v);
     contrast[here] = 0.0F;
-    growth_[here] = kInfinite;
+    growth_[here] = kInfiniteGrowth;
     const double count = sums(0);
     if (part_[here] < kLeastPart || count < kLeastRing) return;
     const double mean = sums(1) / count, x = sums(2) / count, y = sums(3) / count;
@@ -146,7 +146,7 @@ void PixelMask::mendNoise(const std::vector<float>& rough, std::vector<float>& n
   std::transform(rough.begin(), rough.end(), squares_.begin(), [](float value) { return value * value; });
   forRingsWithBad(mean_columns_, squares_, even_, [&](int u, int v, const Sums<kMean>& sums) {
     noise[at(u, v)] = sums(0) < kLeastRing
-                          ? kInfinite
+                          ? kInfiniteGrowth
                           : static_cast<float>(std::sqrt(kNoiseOfCross * std::max(sums(1) / sums(0), 0.0)));
   });
   for (std::size_t i = 0; i < noise.size(); ++i) {

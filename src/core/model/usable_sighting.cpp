@@ -9,10 +9,9 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kUnevenness = 1e-6;      // of the direction's length squared, and of the covariance
-constexpr double kSmallestSigma = 1e-12;  // [rad]
-constexpr double kLargestSigma = kPi;     // [rad]
-constexpr double kRounding = 1e-9;        // of the smaller variance, relative to the larger
+constexpr double kUnevenness = 1e-6;         // of the direction's length squared, and of the covariance
+constexpr double kLeastUsableSigma = 1e-12;  // [rad]
+constexpr double kRounding = 1e-9;           // of the smaller variance, relative to the larger
 
 }  // namespace
 
@@ -29,8 +28,8 @@ bool isUsable(const Sighting& sighting) {
   const double half = 0.5 * plane.trace();
   const double root = std::hypot(0.5 * (plane(0, 0) - plane(1, 1)), plane(0, 1));
   const double largest = half + root, smallest = half - root;
-  return largest >= kSmallestSigma * kSmallestSigma && largest <= kLargestSigma * kLargestSigma &&
-         smallest >= -kRounding * largest;
+  return largest >= kLeastUsableSigma * kLeastUsableSigma &&
+         largest <= kLargestDirectionSigma * kLargestDirectionSigma && smallest >= -kRounding * largest;
 }
 
 }  // namespace sightline::core

@@ -8,7 +8,7 @@ namespace sightline::core {
 namespace {
 
 constexpr std::size_t kMostSamples = 4096;
-constexpr std::size_t kMostSensors = 1000;
+constexpr std::size_t kMostSurveyed = 1000;
 constexpr double kFewest = 0.01;  // share of the scans that may be ahead by more than `ahead`
 constexpr double kUsual = 0.95;   // share of the changes that are no larger than the jitter
 
@@ -35,7 +35,7 @@ double ArrivalPlan::longestDelay() const {
 }
 
 void ArrivalSurvey::take(const std::string& name, Time stamp, Time received) {
-  if (sensors_.size() >= kMostSensors && sensors_.count(name) == 0) return;
+  if (sensors_.size() >= kMostSurveyed && sensors_.count(name) == 0) return;
   Sensor& sensor = sensors_[name];
   const double latency = seconds(received - stamp);
   const double change = sensor.scans == 0 ? 0.0 : std::abs(latency - sensor.last_latency);

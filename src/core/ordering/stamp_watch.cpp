@@ -12,7 +12,7 @@ namespace {
 constexpr double kLeastJump = 0.25;        // that is no jitter [s]
 constexpr double kIntervals = 3.0;         // of a sensor's usual ones that make a silence, or a leap
 constexpr double kIntervalMemory = 0.95;   // of the usual largest interval, at each scan
-constexpr std::size_t kMostSensors = 256;  // that are watched; of more, the longest silent are forgotten
+constexpr std::size_t kMostWatched = 256;  // that are watched; of more, the longest silent are forgotten
 
 std::string secondsText(double seconds) {
   std::ostringstream text;
@@ -43,7 +43,7 @@ StampWatch::StampWatch(const StampWatchParams& params) : params_(params) {
 StampJudgement StampWatch::take(std::uint64_t scan, const std::string& sensor, Time stamp,
                                 std::optional<Time> clock) {
   StampJudgement result;
-  if (sensors_.size() >= kMostSensors && sensors_.count(sensor) == 0) forgetLongestSilent();
+  if (sensors_.size() >= kMostWatched && sensors_.count(sensor) == 0) forgetLongestSilent();
   const bool agrees_with_clock = clock && std::abs(seconds(*clock - stamp)) <= params_.agreement;
   const auto [entry, is_new] = sensors_.try_emplace(sensor);
   if (!front_) front_ = stamp;

@@ -18,7 +18,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kLeastSine = 1e-7;       // [1] sine of the parallax below which two rays count as parallel
-constexpr int kMostSteps = 50;            // of Gauss-Newton; it takes three to six on rays that agree
+constexpr int kMostIterations = 50;       // of Gauss-Newton; it takes three to six on rays that agree
 constexpr double kStepTolerance = 1e-10;  // of a step relative to the range
 constexpr double kLeastPivot = 1e-14;     // of the information, relative to its largest
 
@@ -175,7 +175,7 @@ Descent descend(const std::vector<Ray>& rays, int size, Vector6d& x) {
     descent.verdict = CrossingVerdict::behind;
     return descent;
   }
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostIterations; ++step) {
     const auto solution = solve(normal, size);
     if (!solution) {
       descent.verdict = CrossingVerdict::parallel;
@@ -271,7 +271,7 @@ Refusal refusalOf(CrossingVerdict verdict) {
 Crossing intersect(const std::vector<Ray>& rays) {  // (P-2)
   Crossing crossing;
   if (rays.size() < 2) return crossing;
-  if (!std::all_of(rays.begin(), rays.end(), isUsable)) {
+  if (!std::all_of(rays.begin(), rays.end(), [](const Ray& ray) { return isUsable(ray); })) {
     crossing.verdict = CrossingVerdict::bad_ray;
     return crossing;
   }

@@ -11,7 +11,7 @@
 namespace sightline::core {
 namespace {
 
-constexpr int kMostStations = 64;
+constexpr int kMostAligned = 64;
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void StationAlignment::makeRoomFor(int station) {
 }
 
 void StationAlignment::take(int a, const Ray& ray_a, int b, const Ray& ray_b, double share) {  // (P-14)
-  if (a < 0 || b < 0 || a == b || a >= kMostStations || b >= kMostStations || !(share > 0.0)) return;
+  if (a < 0 || b < 0 || a == b || a >= kMostAligned || b >= kMostAligned || !(share > 0.0)) return;
   if (!ray_a.motion || !ray_b.motion) return;
   const auto test = planeTest(ray_a, ray_b);
   if (!test || !test->isAhead()) return;

@@ -11,7 +11,7 @@
 namespace sightline::core {
 namespace {
 
-constexpr std::size_t kMostSensors = 256;
+constexpr std::size_t kMostDetectors = 256;
 constexpr double kFirstProbability = 0.9;     // before anything is known ...
 constexpr double kTrustInProbability = 20.0;  // ... for so many looks
 constexpr double kLeastProbability = 0.05, kMostLearned = 0.9, kMostStated = 0.99;
@@ -25,7 +25,7 @@ constexpr double kLeastSpread = 5.0;    // of false sightings, in standard devia
 constexpr double kMostOdds = 1e100;     // of a new target, and the inverse the least
 constexpr double kLongest = 300.0;      // for which births add up [units of time]
 
-bool byName(const CalibratedDetection& sensor, const std::string& name) {
+bool isBefore(const CalibratedDetection& sensor, const std::string& name) {
   return sensor.sensor < name;
 }
 
@@ -89,7 +89,7 @@ DetectionCalibration::DetectionCalibration(const DetectionParams& params) : para
 }
 
 const CalibratedDetection* DetectionCalibration::find(const std::string& sensor) const {
-  const auto place = std::lower_bound(sensors_.begin(), sensors_.end(), sensor, byName);
+  const auto place = std::lower_bound(sensors_.begin(), sensors_.end(), sensor, isBefore);
   return place != sensors_.end() && place->sensor == sensor ? &*place : nullptr;
 }
 
@@ -143,9 +143,9 @@ RevisitTime DetectionCalibration::interval(const Scan& scan) const {
 
 void DetectionCalibration::take(const Scan& scan, int looked, int seen,
                                 const std::vector<double>& falseness) {
-  auto sensor = std::lower_bound(sensors_.begin(), sensors_.end(), scan.sensor, byName);
+  auto sensor = std::lower_bound(sensors_.begin(), sensors_.end(), scan.sensor, isBefore);
   if (sensor == sensors_.end() || sensor->sensor != scan.sensor) {
-    if (sensors_.size() >= kMostSensors) return;
+    if (sensors_.size() >= kMostDetectors) return;
     sensor = sensors_.insert(sensor, CalibratedDetection{});
     sensor->sensor = scan.sensor;
     sensor->undiscovered = params_.first_targets;

@@ -9,10 +9,10 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kEven = 1.5;           // largest ratio of intervals in a row
-constexpr double kFarOff = 100.0;       // factor on the variance from which the stated one is not believed
-constexpr double kLargestSigma = 0.01;  // [rad] that the sightings may scatter: false ones scatter farther
-constexpr double kMedian = 1.386;       // of chi^2 with two degrees of freedom
+constexpr double kEven = 1.5;             // largest ratio of intervals in a row
+constexpr double kFarOff = 100.0;         // factor on the variance from which the stated one is not believed
+constexpr double kLargestScatter = 0.01;  // [rad] that the sightings may scatter: false ones scatter farther
+constexpr double kMedian = 1.386;         // of chi^2 with two degrees of freedom
 
 /// Squared distance of a sighting from the line through the two before it, over its covariance.
 template <typename Look>
@@ -52,7 +52,7 @@ std::optional<double> LoneSightings::take(const Scan& scan) {  // (S-96)
   std::nth_element(sorted.begin(), sorted.begin() + kNeeded / 2, sorted.end());
   const double factor = sorted[kNeeded / 2] / kMedian;
   const double sigma = std::sqrt(factor * look.covariance.trace() / 2.0);
-  if (!std::isfinite(factor) || factor < kFarOff || sigma > kLargestSigma) return std::nullopt;
+  if (!std::isfinite(factor) || factor < kFarOff || sigma > kLargestScatter) return std::nullopt;
   looks_ = 0;
   return factor;
 }

@@ -7,7 +7,7 @@
 namespace sightline::core {
 namespace {
 
-constexpr std::size_t kMostSensors = 256;
+constexpr std::size_t kMostCalibrated = 256;
 constexpr double kMostOff = 1e12;  // factor on the stated variance that is believed: a million sigmas
 constexpr double kLargestSurprise =
     9.0;  // squared innovation over the expected that one sighting may count for
@@ -37,7 +37,7 @@ double NoiseCalibration::scale(const std::string& sensor) const {
 CalibratedSensor* NoiseCalibration::entry(const std::string& sensor) {
   auto place = std::lower_bound(sensors_.begin(), sensors_.end(), sensor, byName);
   if (place == sensors_.end() || place->sensor != sensor) {
-    if (sensors_.size() >= kMostSensors) return nullptr;
+    if (sensors_.size() >= kMostCalibrated) return nullptr;
     place = sensors_.insert(place, CalibratedSensor{});
     place->sensor = sensor;
   }

@@ -8,7 +8,7 @@
 namespace sightline::core {
 namespace {
 
-constexpr std::size_t kMostSensors = 64;       // that are watched
+constexpr std::size_t kMostWatched = 64;       // that are watched
 constexpr std::size_t kMostUnassociated = 32;  // in a scan, beyond which they show nothing
 constexpr int kClutterMemory = 50;    // scans over which the number of unassociated sightings is smoothed
 constexpr double kMostFalse = 0.001;  // false sightings expected nearer than an unassociated one that counts
@@ -106,7 +106,7 @@ const SensorGuard::Watch* SensorGuard::find(const std::string& sensor) const {
 SensorGuard::Watch* SensorGuard::findOrStart(const std::string& sensor, Time time) {
   const std::size_t place = placeOf(sensor);
   if (place < watches_.size() && watches_[place].sensor == sensor) return &watches_[place];
-  if (watches_.size() >= kMostSensors) return nullptr;
+  if (watches_.size() >= kMostWatched) return nullptr;
   return &*watches_.emplace(watches_.begin() + static_cast<std::ptrdiff_t>(place), sensor, params_, time);
 }
 

@@ -8,14 +8,14 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kSameTime = 0.15;  // [s]
-constexpr double kShare = 0.5;      // of the scans, in which one glimpse is of what others see, too (S-58)
+constexpr double kSimultaneous = 0.15;  // [s]
+constexpr double kShare = 0.5;  // of the scans, in which one glimpse is of what others see, too (S-58)
 constexpr std::size_t kLeast = 10;
 
 }  // namespace
 
 std::optional<double> separation(const std::vector<Glimpse>& mine, const std::vector<Glimpse>& others) {
-  const Duration window = durationOf(kSameTime);
+  const Duration window = durationOf(kSimultaneous);
   std::vector<double> distances;
   std::size_t scans = 0;
   auto first = others.begin();

@@ -10,8 +10,7 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kLargestSigma = kPi;  // [rad]
-constexpr double kRounding = 1e-9;     // of the smallest eigenvalue, in units of the standard deviations
+constexpr double kRounding = 1e-9;  // of the smallest eigenvalue, in units of the standard deviations
 
 }  // namespace
 
@@ -22,7 +21,8 @@ bool isTrack(const Track& track) {
   if (!gate.centre.allFinite() || !gate.half_width.allFinite() || !gate.covariance.allFinite()) return false;
   const double cosine = std::cos(state.angles().y());
   const double variance = state.covariance(0, 0) * cosine * cosine + state.covariance(1, 1);
-  if (!(variance <= kLargestSigma * kLargestSigma) || !(state.covariance.diagonal().minCoeff() > 0.0))
+  if (!(variance <= kLargestDirectionSigma * kLargestDirectionSigma) ||
+      !(state.covariance.diagonal().minCoeff() > 0.0))
     return false;
   const Eigen::Vector4d per_sigma = state.covariance.diagonal().cwiseSqrt().cwiseInverse();
   Eigen::Matrix4d correlation = per_sigma.asDiagonal() * state.covariance * per_sigma.asDiagonal();

@@ -8,13 +8,13 @@
 
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/nodes/this_node.h"
 
 namespace sightline_ros {
 namespace {
 
 using Kind = AdapterTopic::Kind;
 
-constexpr std::uint32_t kQueue = 1000;   // messages a topic
 constexpr double kCameraWarning = 60.0;  // between two of them, while a camera zooms [s]
 
 std::vector<std::uint8_t> bytesOf(const topic_tools::ShapeShifter& message) {

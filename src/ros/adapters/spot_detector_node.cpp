@@ -15,6 +15,7 @@
 #include "sightline/ros/adapters/adapter_reading.h"
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/nodes/this_node.h"
 
 namespace sightline_ros {
 
@@ -23,7 +24,6 @@ namespace core = sightline::core;
 namespace {
 
 constexpr std::uint32_t kImageQueue = 5;  // images: old ones are of no use to a live tracker
-constexpr std::uint32_t kQueue = 1000;    // other messages
 constexpr double kWarning = 60.0;         // between two of the same kind [s]
 
 /// The namespace in which the node runs without the leading slash, or its own name in the root.

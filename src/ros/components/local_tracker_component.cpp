@@ -4,6 +4,7 @@
 #include <boost/make_shared.hpp>
 #include <utility>
 
+#include "sightline/ros/components/component_params.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/tracklet_messages.h"
 #include "sightline/ros/params/tracker_params.h"
@@ -13,13 +14,6 @@ namespace sightline_ros {
 namespace core = sightline::core;
 
 namespace {
-
-constexpr std::size_t kMostFailuresInARow = 20;  // before all tracks are given up
-
-std::string nameFrom(const ParamReader& reader, const std::string& fallback) {
-  const std::string name = reader.text("tracker_name", "");
-  return name.empty() ? fallback : name;
-}
 
 core::StampWatchParams stampWatchParams(double max_lag) {
   core::StampWatchParams params;
@@ -59,7 +53,7 @@ sightline::AssociationArray::Ptr associationArray(const std::vector<core::Associ
 LocalTrackerComponent::LocalTrackerComponent(const ParamReader& reader, const std::string& name,
                                              const tf2::BufferCore& transforms)
     : LocalTrackerComponent(loadLocalTrackerParams(reader), loadTrackletParams(reader.sub("tracklets")),
-                            loadTrackerFrameParams(reader), nameFrom(reader, name), transforms) {}
+                            loadTrackerFrameParams(reader), trackerNameFrom(reader, name), transforms) {}
 
 LocalTrackerComponent::LocalTrackerComponent(const core::LocalTrackerParams& tracker,
                                              const core::TrackletParams& tracklets,

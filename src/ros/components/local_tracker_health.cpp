@@ -6,6 +6,7 @@
 #include <diagnostic_msgs/DiagnosticStatus.h>
 
 #include "sightline/report/sensor_text.h"
+#include "sightline/ros/diagnosis/refusals.h"
 #include "sightline/ros/messages/conversions.h"
 
 namespace sightline_ros {
@@ -17,9 +18,7 @@ using sightline::report::textOf;
 
 namespace {
 
-constexpr double kSecondsBetweenWarnings = 5.0;
 constexpr double kSecondsOfExamination = 10.0;
-constexpr double kDefaultSilence = 2.0;      // [s]
 constexpr double kRough = 4.0;               // variance over the stated one that deserves a warning ...
 constexpr double kSettledSightings = 100.0;  // ... when it rests on so many sightings
 constexpr std::size_t kMostSensors = 256;    // that are told apart
@@ -39,10 +38,6 @@ std::string firstRejection(const sightline::AssociationArray& associations) {
     return "sighting " + std::to_string(association.sighting) + ": " + association.reason;
   }
   return "";
-}
-
-double LocalTrackerHealth::silenceFrom(const ParamReader& reader) {
-  return reader.number("silence", kDefaultSilence, above(0.0), "s");
 }
 
 /// Of more sensors than are told apart the others are one.

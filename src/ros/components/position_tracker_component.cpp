@@ -7,6 +7,7 @@
 #include <tf2/exceptions.h>
 
 #include "sightline/core/fusion/track_alignment.h"
+#include "sightline/ros/components/component_params.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/position_messages.h"
 #include "sightline/ros/messages/station_pose.h"
@@ -19,15 +20,9 @@ namespace core = sightline::core;
 
 namespace {
 
-constexpr std::size_t kMostFailuresInARow = 20;  // before all positions are given up
-constexpr int kMostLateInARow = 50;              // messages of tracks, before time counts as gone back
+constexpr int kMostLateInARow = 50;   // messages of tracks, before time counts as gone back
 constexpr double kTopicMemory = 2.0;  // a tracker that was silent for so long may report on another topic [s]
 const char* const kDefaultMetricFrame = "world";
-
-std::string nameFrom(const ParamReader& reader, const std::string& fallback) {
-  const std::string name = reader.text("tracker_name", "");
-  return name.empty() ? fallback : name;
-}
 
 FrameChangeParams loadFrames(const ParamReader& reader) {
   FrameChangeParams defaults;
@@ -43,7 +38,7 @@ core::Refusal aboutTrack(const core::Refusal& why, const std::string& tracker, s
 
 PositionTrackerComponent::PositionTrackerComponent(const ParamReader& reader, const std::string& name,
                                                    const tf2::BufferCore& transforms)
-    : name_(nameFrom(reader, name)),
+    : name_(trackerNameFrom(reader, name)),
       frames_(loadFrames(reader)),
       max_trackers_(reader.integer("max_trackers", 128, 1, 1000000)),
       max_sensors_(reader.integer("max_sensors", 512, 1, 1000000)),

@@ -16,7 +16,6 @@ using sightline::PositionTrack;
 
 namespace {
 
-constexpr double kDefaultSilence = 2.0;    // [s]
 constexpr double kOnePlace = 1.0;          // [m]: from closer together nothing crosses
 constexpr std::size_t kMostTopics = 1024;  // of tracklets that are counted
 
@@ -29,10 +28,6 @@ double spreadOf(const std::map<std::string, Eigen::Vector3d>& stations) {
 }
 
 }  // namespace
-
-double PositionTrackerHealth::silenceFrom(const ParamReader& reader) {
-  return reader.number("silence", kDefaultSilence, above(0.0), "s");
-}
 
 PositionTrackerHealth::PositionTrackerHealth(const std::vector<std::string>& topics, double silence)
     : silence_(silence) {

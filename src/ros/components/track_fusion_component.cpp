@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sightline/report/sensor_text.h"
+#include "sightline/ros/components/component_params.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/tracklet_messages.h"
 #include "sightline/ros/params/track_fusion_params.h"
@@ -21,15 +22,9 @@ using sightline::report::textOf;
 
 namespace {
 
-constexpr double kDefaultMaxFuture = 0.1;        // [s]
-constexpr std::size_t kMostFailuresInARow = 20;  // before all tracks are given up
-constexpr double kDefaultMaxBaseline = 10.0;     // [m]
+constexpr double kDefaultMaxFuture = 0.1;     // [s]
+constexpr double kDefaultMaxBaseline = 10.0;  // [m]
 const char* const kDefaultTrackingFrame = "platform_enu";
-
-std::string nameFrom(const ParamReader& reader, const std::string& fallback) {
-  const std::string name = reader.text("tracker_name", "");
-  return name.empty() ? fallback : name;
-}
 
 sightline::SourceTrack toMessage(const core::SourceTrack& row) {
   sightline::SourceTrack message;
@@ -119,10 +114,10 @@ double smallestSigma(const sightline::TrackArray& local) {
   return std::isfinite(smallest) ? smallest : 0.0;
 }
 
-core::LocalReport toCore(const sightline::TrackArray& message) {
-  core::LocalReport report{message.tracker, sightline_ros::toCore(message.header.stamp), {}};
+core::LocalReport localReportOf(const sightline::TrackArray& message) {
+  core::LocalReport report{message.tracker, toCore(message.header.stamp), {}};
   report.tracks.reserve(message.tracks.size());
-  for (const sightline::Track& track : message.tracks) report.tracks.push_back(sightline_ros::toCore(track));
+  for (const sightline::Track& track : message.tracks) report.tracks.push_back(toCore(track));
   return report;
 }
 
@@ -130,7 +125,7 @@ core::LocalReport toCore(const sightline::TrackArray& message) {
 
 TrackFusionComponent::TrackFusionComponent(const ParamReader& reader, const std::string& name,
                                            const tf2::BufferCore* transforms)
-    : name_(nameFrom(reader, name)),
+    : name_(trackerNameFrom(reader, name)),
       tracking_frame_(reader.text("tracking_frame", kDefaultTrackingFrame)),
       max_future_(reader.number("max_future", kDefaultMaxFuture, atLeast(0.0), "s")),
       params_(loadTrackFusionParams(reader)),
@@ -155,7 +150,7 @@ FusionResult TrackFusionComponent::onTracks(const sightline::TrackArray& local, 
       return refused(local, *apart);
   }
   const auto arrival = now == core::Time{} ? std::nullopt : std::make_optional(now);
-  auto answer = fusion_.take(Arrival{toCore(local), arrival});
+  auto answer = fusion_.take(Arrival{localReportOf(local), arrival});
   if (!answer) return refused(local, failed(local.tracker));
 
   FusionResult result;
@@ -226,7 +221,7 @@ std::optional<core::Refusal> TrackFusionComponent::refusalOf(const std::string& 
                                                              const std::string& topic, const Origins& origins,
                                                              core::Time now) const {
   std::ostringstream why;
-  const core::Time stamp = sightline_ros::toCore(header.stamp);
+  const core::Time stamp = toCore(header.stamp);
   const double ahead = core::seconds(stamp - now);
   if (tracker == name_) {
     why << "\"" << name_ << "\" is this fusion itself; it must not be fed with its own";
@@ -258,7 +253,7 @@ std::optional<core::Refusal> TrackFusionComponent::refusalOf(const std::string& 
 /// Remembers where a tracker reports.
 void TrackFusionComponent::note(const std::string& tracker, const std_msgs::Header& header,
                                 const std::string& topic, Origins& origins) const {
-  origins[tracker] = {topic, sightline_ros::toCore(header.stamp)};
+  origins[tracker] = {topic, toCore(header.stamp)};
   while (origins.size() > static_cast<std::size_t>(params_.reports.max_trackers))
     origins.erase(origins.begin()->first == tracker ? std::next(origins.begin()) : origins.begin());
 }
@@ -267,7 +262,7 @@ FusionResult TrackFusionComponent::refused(const sightline::TrackArray& local,
                                            const core::Refusal& why) const {
   FusionResult result;
   result.fused = std::make_shared<core::FusionReport>(core::describeRefused(
-      *latest_, toCore(local), why, static_cast<std::size_t>(params_.reports.max_tracks)));
+      *latest_, localReportOf(local), why, static_cast<std::size_t>(params_.reports.max_tracks)));
   result.report = fusionReport(*result.fused);
   if (latest_->time == core::Time{}) result.report->header.stamp = local.header.stamp;  // nothing before it
   result.refusal = why;

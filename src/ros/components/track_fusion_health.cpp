@@ -7,6 +7,7 @@
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
 
+#include "sightline/ros/diagnosis/refusals.h"
 #include "sightline/ros/messages/conversions.h"
 
 namespace sightline_ros {
@@ -16,20 +17,14 @@ using diagnostic_msgs::DiagnosticStatus;
 
 namespace {
 
-constexpr double kSecondsBetweenWarnings = 5.0;
 constexpr std::size_t kMostTrackers = 256;
 constexpr std::size_t kMostSensors = 256;  // of which changes are told
-constexpr double kDefaultSilence = 2.0;    // [s]
 
 /// Reasons for leaving a local track out that need somebody's hand; the others are a tracker's daily life.
 const std::set<std::string> kCallForHelp{"invalid", "limit", "shared sensor", "too uncertain",
                                          "undetermined"};
 
 }  // namespace
-
-double TrackFusionHealth::silenceFrom(const ParamReader& reader) {
-  return reader.number("silence", kDefaultSilence, above(0.0), "s");
-}
 
 TrackFusionHealth::TrackFusionHealth(const std::vector<std::string>& topics, double silence)
     : silence_(silence) {

@@ -12,7 +12,7 @@
 namespace sightline_ros {
 namespace {
 
-constexpr std::uint32_t kQueue = 10000;        // messages a topic
+constexpr std::uint32_t kDoctorQueue = 10000;  // messages a topic
 constexpr double kSecondsBetweenLooks = 0.5;   // at the graph
 constexpr double kSecondsForTransforms = 0.7;  // that may come so much later than their scans
 constexpr double kSecondsOfTransforms = 20.0;  // that are kept, beyond the time of looking
@@ -64,20 +64,20 @@ void InputDoctor::listen() {
     if (topic.type == "sightline/SightingArray") {
       const boost::function<void(const ros::MessageEvent<sightline::SightingArray const>&)> take =
           [this, name](const auto& event) { onScan(event, name); };
-      subscribers_[name] = nh_.subscribe<sightline::SightingArray>(name, kQueue, take, ros::VoidConstPtr(),
-                                                                   ros::TransportHints().tcpNoDelay());
+      subscribers_[name] = nh_.subscribe<sightline::SightingArray>(
+          name, kDoctorQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
     } else if (topic.type == "sightline/AssociationArray") {
       const boost::function<void(const sightline::AssociationArray::ConstPtr&)> take =
           [this, name](const auto& associations) {
             if (is_listening_) examination_.take(*associations, name);
           };
-      subscribers_[name] = nh_.subscribe<sightline::AssociationArray>(name, kQueue, take);
+      subscribers_[name] = nh_.subscribe<sightline::AssociationArray>(name, kDoctorQueue, take);
     } else if (topic.type == "sightline/TrackArray") {
       const boost::function<void(const sightline::TrackArray::ConstPtr&)> take = [this,
                                                                                   name](const auto& tracks) {
         if (is_listening_) examination_.take(*tracks, name);
       };
-      subscribers_[name] = nh_.subscribe<sightline::TrackArray>(name, kQueue, take);
+      subscribers_[name] = nh_.subscribe<sightline::TrackArray>(name, kDoctorQueue, take);
     }
   }
 }

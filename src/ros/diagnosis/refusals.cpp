@@ -8,10 +8,6 @@ namespace sightline_ros {
 
 namespace core = sightline::core;
 
-namespace {
-constexpr double kSecondsBetweenWarnings = 5.0;
-}  // namespace
-
 std::optional<std::string> Refusals::note(const core::Refusal& refusal, core::Time now) {
   Counted& counted = counts_[refusal.kind];
   ++counted.count;

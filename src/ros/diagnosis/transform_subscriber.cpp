@@ -8,7 +8,8 @@
 namespace sightline_ros {
 namespace {
 
-constexpr std::uint32_t kQueue = 1000;  // messages; a start-up may bring many sensors' frames at once
+constexpr std::uint32_t kTransformQueue =
+    1000;  // messages; a start-up may bring many sensors' frames at once
 
 ros::TransportHints promptly() {
   return ros::TransportHints().tcpNoDelay();
@@ -23,9 +24,10 @@ TransformSubscriber::TransformSubscriber(ros::NodeHandle nh, tf2::BufferCore& bu
       [this](const tf2_msgs::TFMessage::ConstPtr& message) { take(*message, false); };
   const boost::function<void(const tf2_msgs::TFMessage::ConstPtr&)> take_fixed =
       [this](const tf2_msgs::TFMessage::ConstPtr& message) { take(*message, true); };
-  moving_ = nh.subscribe<tf2_msgs::TFMessage>("/tf", kQueue, take_moving, ros::VoidConstPtr(), promptly());
-  fixed_ =
-      nh.subscribe<tf2_msgs::TFMessage>("/tf_static", kQueue, take_fixed, ros::VoidConstPtr(), promptly());
+  moving_ =
+      nh.subscribe<tf2_msgs::TFMessage>("/tf", kTransformQueue, take_moving, ros::VoidConstPtr(), promptly());
+  fixed_ = nh.subscribe<tf2_msgs::TFMessage>("/tf_static", kTransformQueue, take_fixed, ros::VoidConstPtr(),
+                                             promptly());
 }
 
 void TransformSubscriber::take(const tf2_msgs::TFMessage& message, bool is_static) {

@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 
+#include "sightline/ros/messages/transform_messages.h"
+
 namespace sightline_ros {
 
 namespace core = sightline::core;
@@ -9,11 +11,6 @@ namespace core = sightline::core;
 namespace {
 
 constexpr double kRateStep = 0.01;  // over which the rate of turn is measured [s]
-
-Eigen::Matrix3d rotationOf(const geometry_msgs::TransformStamped& transform) {
-  const auto& q = transform.transform.rotation;
-  return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
-}
 
 /// Angular velocity of the sensor in its own frame [rad/s]: from the transform a moment earlier or, where the
 /// transforms begin, a moment later; zero where neither is known.

@@ -4,6 +4,8 @@
 
 #include <tf2/exceptions.h>
 
+#include "sightline/ros/messages/transform_messages.h"
+
 namespace sightline_ros {
 
 namespace core = sightline::core;
@@ -15,11 +17,6 @@ constexpr double kVelocityStep = 0.05;  // over which the velocity is measured [
 Eigen::Vector3d originOf(const geometry_msgs::TransformStamped& transform) {
   const auto& t = transform.transform.translation;
   return {t.x, t.y, t.z};
-}
-
-Eigen::Matrix3d rotationOf(const geometry_msgs::TransformStamped& transform) {
-  const auto& q = transform.transform.rotation;
-  return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
 }
 
 /// Whether a moment earlier or later is a stamp: time 0 means "the latest" to tf.

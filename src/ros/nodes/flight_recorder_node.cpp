@@ -19,7 +19,7 @@ namespace {
 
 namespace files = std::filesystem;
 
-constexpr std::uint32_t kQueue = 10000;        // messages of a topic that wait to be kept
+constexpr std::uint32_t kRecorderQueue = 10000;  // messages of a topic that wait to be kept
 constexpr std::size_t kMostTopics = 1000;      // that are found; a list of ~topics may be as long as it likes
 constexpr double kDiscoveryPeriod = 1.0;       // [s]
 constexpr double kSavePeriod = 0.1;            // of looking for an incident whose save is due [s]
@@ -120,7 +120,7 @@ void FlightRecorderNode::keep(const std::string& topic) {
   using Event = ros::MessageEvent<const topic_tools::ShapeShifter>;
   ros::SubscribeOptions options;
   options.topic = topic;
-  options.queue_size = kQueue;
+  options.queue_size = kRecorderQueue;
   options.md5sum = ros::message_traits::md5sum<topic_tools::ShapeShifter>();
   options.datatype = ros::message_traits::datatype<topic_tools::ShapeShifter>();
   options.transport_hints = ros::TransportHints().tcpNoDelay();
@@ -138,7 +138,7 @@ void FlightRecorderNode::watch() {
       if (const auto what = watch_.onTracks(topic, *tracks)) onIncident(*what);
     };
     subscribers_.push_back(nh_.subscribe<sightline::TrackArray>(
-        topic, kQueue,
+        topic, kRecorderQueue,
         boost::function<void(const sightline::TrackArray::ConstPtr&)>(guard_(topic, callback))));
   }
   for (const std::string& topic : params_.report_topics) {
@@ -146,7 +146,7 @@ void FlightRecorderNode::watch() {
       if (const auto what = IncidentWatch::onReport(*report)) onIncident(*what);
     };
     subscribers_.push_back(nh_.subscribe<sightline::FusionReport>(
-        topic, kQueue,
+        topic, kRecorderQueue,
         boost::function<void(const sightline::FusionReport::ConstPtr&)>(guard_(topic, callback))));
   }
 }

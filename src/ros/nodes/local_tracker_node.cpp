@@ -7,15 +7,13 @@
 #include <sightline/TrackArray.h>
 #include <sightline/TrackletArray.h>
 
+#include "sightline/ros/components/component_params.h"
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/nodes/this_node.h"
 
 namespace sightline_ros {
 namespace {
-
-constexpr std::uint32_t kQueue = 1000;                 // messages a topic
-constexpr double kSecondsBetweenTimeoutChecks = 0.02;  // of the wall's clock
 
 /// Full names. A topic that is listened to twice would bring each scan twice.
 std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHandle& nh) {
@@ -38,7 +36,7 @@ LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh, cons
     : nh_(nh),
       guard_(nameOfNode(pnh)),
       component_(reader, nameOfNode(pnh), transforms_),
-      health_(LocalTrackerHealth::silenceFrom(reader), {component_.maxLag(), component_.maxFuture()}) {
+      health_(silenceFrom(reader), {component_.maxLag(), component_.maxFuture()}) {
   const std::vector<std::string> topics = topicsFrom(reader, nh);
   reader.finish();
 

@@ -2,13 +2,14 @@
 
 #include <ros/console.h>
 
+#include "sightline/ros/diagnosis/refusals.h"
+
 namespace sightline_ros {
 namespace {
 
 constexpr double kAtOnce = 1e-6;           // [s]: a timer's period must be above 0
 constexpr double kClockPoll = 0.01;        // [s]: how often to look for a clock that has not started
 constexpr double kNoticeableDelay = 0.25;  // [s]
-constexpr double kSecondsBetweenWarnings = 5.0;
 
 }  // namespace
 

@@ -19,10 +19,6 @@ namespace {
 
 namespace core = sightline::core;
 
-constexpr std::uint32_t kQueue = 100;  // messages of a topic between two turns of the node
-constexpr double kStaticPeriod = 1.0;  // of repeating the view's frame [s]
-constexpr double kSecondsBetweenWarnings = 10.0;
-
 }  // namespace
 
 PositionDisplayParams::PositionDisplayParams() {
@@ -92,7 +88,7 @@ template <typename Message, typename Callback>
 void PositionDisplayNode::listen(const std::string& topic, Callback callback) {
   if (topic.empty()) return;
   subscribers_.push_back(nh_.subscribe<Message>(
-      topic, kQueue, boost::function<void(const typename Message::ConstPtr&)>(guard_(topic, callback)),
+      topic, kDisplayQueue, boost::function<void(const typename Message::ConstPtr&)>(guard_(topic, callback)),
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
 }
 
@@ -136,9 +132,9 @@ void PositionDisplayNode::onTracks(const sightline::TrackArray& tracks) {
 /// The newest place of a frame: a picture need not wait for that of a stamp.
 std::optional<core::StationPose> PositionDisplayNode::placeOf(const std::string& frame) const {
   if (!transforms_.canTransform(params_.picture.frame, frame, ros::Time(0))) {
-    ROS_WARN_STREAM_THROTTLE(kSecondsBetweenWarnings, "Not showing what comes in frame \""
-                                                          << frame << "\": tf does not lead from it to \""
-                                                          << params_.picture.frame << "\"");
+    ROS_WARN_STREAM_THROTTLE(kSecondsBetweenNotes, "Not showing what comes in frame \""
+                                                       << frame << "\": tf does not lead from it to \""
+                                                       << params_.picture.frame << "\"");
     return std::nullopt;
   }
   return poseOf(frame, ros::Time(0), params_.picture.frame, transforms_);
@@ -146,7 +142,7 @@ std::optional<core::StationPose> PositionDisplayNode::placeOf(const std::string&
 
 bool PositionDisplayNode::isInFrame(const std::string& frame, const std::string& of) const {
   if (frame == params_.picture.frame) return true;
-  ROS_WARN_STREAM_THROTTLE(kSecondsBetweenWarnings,
+  ROS_WARN_STREAM_THROTTLE(kSecondsBetweenNotes,
                            "Not showing " << of << ": its frame is '" << frame << "', the display's is '"
                                           << params_.picture.frame << "' (~tracking_frame)");
   return false;

@@ -5,18 +5,12 @@
 #include <sightline/PositionReport.h>
 #include <sightline/PositionTrackArray.h>
 
+#include "sightline/ros/components/component_params.h"
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/nodes/this_node.h"
 #include "sightline/ros/nodes/track_topics.h"
 
 namespace sightline_ros {
-namespace {
-
-constexpr std::uint32_t kQueue = 1000;                 // messages a topic
-constexpr double kSecondsBetweenTimeoutChecks = 0.02;  // of the wall's clock
-
-}  // namespace
-
 PositionTrackerNode::PositionTrackerNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
     : PositionTrackerNode(nh, pnh, ParamReader(pnh)) {}
 
@@ -27,7 +21,7 @@ PositionTrackerNode::PositionTrackerNode(const ros::NodeHandle& nh, const ros::N
       component_(reader, nameOfNode(pnh), transforms_),
       topics_(trackTopicsFrom(reader, nh)),
       tracklet_topics_(trackletTopicsFrom(reader, nh, topics_)),
-      health_(topics_, PositionTrackerHealth::silenceFrom(reader)) {
+      health_(topics_, silenceFrom(reader)) {
   reader.finish();
 
   tracks_ = nh_.advertise<sightline::PositionTrackArray>("positions/tracks", kQueue);

@@ -9,6 +9,7 @@
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/scenario_messages.h"
 #include "sightline/ros/messages/transform_messages.h"
+#include "sightline/ros/nodes/this_node.h"
 #include "sightline/ros/params/scenario_params.h"
 
 namespace sightline_ros {
@@ -16,7 +17,6 @@ namespace {
 
 namespace core = sightline::core;
 
-constexpr std::uint32_t kQueue = 1000;                     // messages
 constexpr auto kLongestBacklog = std::chrono::seconds(1);  // published late rather than left out
 
 const core::SimulatedSensor& sensorNamed(const core::Scenario& scenario, const ParamReader& reader) {

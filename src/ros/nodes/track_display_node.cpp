@@ -19,9 +19,6 @@
 namespace sightline_ros {
 namespace {
 
-constexpr std::uint32_t kQueue = 100;  // messages of a topic between two turns of the node
-constexpr double kStaticPeriod = 1.0;  // of repeating what does not move [s]
-
 std::vector<std::string> sixSensors() {
   return {"acquisition_1", "acquisition_2", "acquisition_3", "tracking_1", "tracking_2", "tracking_3"};
 }
@@ -165,7 +162,7 @@ template <typename Message, typename Callback>
 void TrackDisplayNode::listen(const std::string& topic, Callback callback) {
   if (topic.empty()) return;
   subscribers_.push_back(nh_.subscribe<Message>(
-      topic, kQueue, boost::function<void(const typename Message::ConstPtr&)>(guard_(topic, callback)),
+      topic, kDisplayQueue, boost::function<void(const typename Message::ConstPtr&)>(guard_(topic, callback)),
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
 }
 

@@ -27,10 +27,8 @@ namespace report = sightline::report;
 
 namespace {
 
-constexpr std::uint32_t kQueue = 1000;           // messages a topic
 constexpr double kSecondsBetweenReports = 1.0;   // of the wall's clock
 constexpr double kSecondsBetweenReleases = 0.1;  // of the wall's clock
-constexpr double kSecondsBetweenWarnings = 10.0;
 constexpr double kSecondsForTheLast =
     0.5;  // of the wall's clock, for what is on its way when the duration is over
 
@@ -216,7 +214,7 @@ bool TrackEvaluatorNode::isInTrackingFrame(const std::string& topic, const std::
 
 void TrackEvaluatorNode::drop(const std::string& topic, const core::Refusal& refusal) {
   ++dropped_[topic + ": " + refusal.kind];
-  ROS_WARN_STREAM_THROTTLE(kSecondsBetweenWarnings,
+  ROS_WARN_STREAM_THROTTLE(kSecondsBetweenNotes,
                            "a message on " << topic << " is not evaluated: " << refusal.detail);
 }
 

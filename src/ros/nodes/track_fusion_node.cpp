@@ -3,18 +3,13 @@
 #include <ros/console.h>
 #include <sightline/FusionReport.h>
 
+#include "sightline/ros/components/component_params.h"
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/nodes/this_node.h"
 #include "sightline/ros/nodes/track_topics.h"
 
 namespace sightline_ros {
-namespace {
-
-constexpr std::uint32_t kQueue = 1000;  // messages a topic
-
-}  // namespace
-
 TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
     : TrackFusionNode(nh, pnh, ParamReader(pnh)) {}
 
@@ -26,7 +21,7 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
       component_(reader, nameOfNode(pnh), &transforms_),
       topics_(trackTopicsFrom(reader, nh)),
       tracklet_topics_(trackletTopicsFrom(reader, nh, topics_)),
-      health_(topics_, TrackFusionHealth::silenceFrom(reader)) {
+      health_(topics_, silenceFrom(reader)) {
   reader.finish();
 
   diagnostics_.emplace(nh, pnh, "fusion", [this](auto& status, double) {

@@ -8,6 +8,7 @@
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/scenario_messages.h"
 #include "sightline/ros/messages/transform_messages.h"
+#include "sightline/ros/nodes/this_node.h"
 #include "sightline/ros/params/scenario_params.h"
 
 namespace sightline_ros {
@@ -15,7 +16,6 @@ namespace {
 
 namespace core = sightline::core;
 
-constexpr std::uint32_t kQueue = 1000;      // messages
 constexpr double kDefaultRate = 100.0;      // [Hz]
 constexpr double kDefaultStartDelay = 1.0;  // [s]
 constexpr double kLongestBacklog = 1.0;     // [s]: truth further back than this is left out

@@ -7,7 +7,7 @@
 namespace sightline_ros {
 namespace {
 
-std::string textOf(const Range& range) {
+std::string boundsOf(const Range& range) {
   const bool bounded_below = std::isfinite(range.low);
   const bool bounded_above = std::isfinite(range.high);
   if (!bounded_below && !bounded_above) return "";
@@ -49,7 +49,7 @@ Range inside(double low, double high) {
 }
 
 std::string expectedNumber(const Range& range, const std::string& unit) {
-  return "a number" + textOf(range) + (unit.empty() ? "" : " [" + unit + "]");
+  return "a number" + boundsOf(range) + (unit.empty() ? "" : " [" + unit + "]");
 }
 
 }  // namespace sightline_ros

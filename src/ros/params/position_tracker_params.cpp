@@ -12,8 +12,6 @@ namespace core = sightline::core;
 
 namespace {
 
-constexpr int kMany = std::numeric_limits<int>::max();
-
 core::PositionModel loadModel(const ParamReader& reader, core::PositionModel model) {
   using Kind = core::PositionModel::Kind;
   const std::string fallback = model.kind == Kind::white_jerk ? "white_jerk" : "white_acceleration";

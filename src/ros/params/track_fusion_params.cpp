@@ -13,8 +13,6 @@ namespace core = sightline::core;
 
 namespace {
 
-constexpr int kMany = std::numeric_limits<int>::max();
-
 core::FusionRule loadRule(const ParamReader& reader, core::FusionRule fallback) {
   std::vector<std::string> names;
   for (const core::FusionRuleEntry& entry : core::fusionRuleTable()) names.emplace_back(entry.name);

@@ -10,7 +10,6 @@ namespace core = sightline::core;
 
 namespace {
 
-constexpr int kMany = std::numeric_limits<int>::max();
 constexpr int kMostNogaRows = 62;
 
 /// The names of an enumeration in the order of its values, from 0.

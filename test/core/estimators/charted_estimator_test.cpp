@@ -6,12 +6,12 @@
 
 #include "sightline/core/estimators/estimators.h"
 
+#include "support/times.h"
+
 namespace sightline::core {
 namespace {
 
-Time at(double time) {
-  return Time{} + durationOf(time);
-}
+using test::at;
 
 Tracklet trackletAt(double time, const Eigen::Vector2d& angles, double sigma = 1e-3) {
   Tracklet tracklet;

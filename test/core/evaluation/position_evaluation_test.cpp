@@ -8,14 +8,14 @@
 
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
 namespace sightline::core {
 namespace {
 
-using Vector = Eigen::Vector3d;
+using test::at;
 
-Time at(double seconds) {
-  return Time(durationOf(seconds));
-}
+using Vector = Eigen::Vector3d;
 
 Vector circle(double t) {
   return {20.0 * std::cos(t), 20.0 * std::sin(t), 5.0};

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
 namespace sightline::core {
 namespace {
 
-Time at(double seconds) {
-  return Time(durationOf(seconds));
-}
+using test::at;
 
 Eigen::Vector3d truthAt(double time) {
   return {10.0 * time, 5.0, 20.0};

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
 namespace sightline::core {
 namespace {
 
-Time at(double t) {
-  return Time(durationOf(t));
-}
+using test::at;
 
 Track track(std::uint32_t id) {
   Track track;

@@ -4,15 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
 using namespace sightline::core;
+using sightline::test::at;
 
 namespace {
 
 constexpr double kMost = 60.0;  // [s]
-
-Time at(double time) {
-  return Time(durationOf(time));
-}
 
 /// A scan every tenth of a second; `latency` of a sensor at a time.
 template <typename Latency>

@@ -7,16 +7,15 @@
 
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
 namespace {
 
 using sightline::core::durationOf;
 using sightline::core::ScanOrder;
 using sightline::core::ScanQueue;
 using sightline::core::Time;
-
-Time at(double seconds) {
-  return Time(durationOf(seconds));
-}
+using sightline::test::at;
 
 struct Arrival {
   ScanOrder order;

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
 namespace {
 
 using sightline::core::durationOf;
@@ -17,12 +19,9 @@ using sightline::core::StampJudgement;
 using sightline::core::StampWatch;
 using sightline::core::StampWatchParams;
 using sightline::core::Time;
+using sightline::test::at;
 
 constexpr double kLag = 0.5;  // [s], the default
-
-Time at(double seconds) {
-  return Time(durationOf(seconds));
-}
 
 /// Lets a watch judge scans and keeps what it said.
 class Witness {

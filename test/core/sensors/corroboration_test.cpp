@@ -2,18 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
 namespace sightline::core {
 namespace {
+
+using test::at;
 
 struct Source {
   std::string sensor;
   Time last_sighting;
   Eigen::Vector2d innovation;
 };
-
-Time at(double seconds) {
-  return Time(durationOf(seconds));
-}
 
 const std::vector<Source> kSources{{"a", at(10.0), {1.0, -1.0}},
                                    {"b", at(9.9), {2.0, 3.0}},

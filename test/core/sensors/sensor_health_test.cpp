@@ -8,16 +8,15 @@
 #include <gtest/gtest.h>
 
 #include "support/golden.h"
+#include "support/times.h"
 
 namespace sightline::core {
 namespace {
 
+using test::at;
+
 constexpr double kPredicted = 0.0004, kStated = 0.0064;  // variances [rad^2], as in golden.json
 constexpr double kInterval = 0.03;                       // [s]
-
-Time at(double t) {
-  return Time(durationOf(t));
-}
 
 Innovation innovationOf(double azimuth, double elevation) {
   Innovation innovation;

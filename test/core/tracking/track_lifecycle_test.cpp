@@ -4,16 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
 namespace sightline::core {
 namespace {
+
+using test::at;
 
 constexpr double kInterval = 0.1;  // between sightings [s]
 constexpr double kSeen = 1e4;      // likelihood ratio of a scan with a sighting
 constexpr double kNotSeen = 0.1;   // and of one without
-
-Time at(double t) {
-  return Time(durationOf(t));
-}
 
 /// A track that has been sighted `hits` times, the last time at kInterval * (hits - 1).
 TrackLifecycle sighted(int hits, const LifecycleParams& params = {}) {

@@ -6,15 +6,15 @@
 
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
 namespace sightline::core {
 namespace {
 
+using test::at;
+
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
-
-Time at(double t) {
-  return Time(durationOf(t));
-}
 
 RevisitTime every(double interval) {
   RevisitTime revisit;

@@ -6,14 +6,14 @@
 
 #include "sightline/core/model/sphere.h"
 
+#include "support/times.h"
+
 namespace sightline::core {
 namespace {
 
-constexpr double kSigma = 1e-3;  // [rad]
+using test::at;
 
-Time at(double t) {
-  return Time(durationOf(t));
-}
+constexpr double kSigma = 1e-3;  // [rad]
 
 Sighting sightingAt(double azimuth) {
   return sightingOf({azimuth, 0.0}, kSigma * kSigma * Eigen::Matrix2d::Identity());

@@ -12,11 +12,15 @@
 #include "sightline/ros/components/local_tracker_health.h"
 #include "sightline/ros/messages/conversions.h"
 
+#include "support/diagnostics.h"
 #include "support/scans.h"
+#include "support/times.h"
 
 namespace {
 
 namespace core = sightline::core;
+using sightline::test::at;
+using sightline::test::valueOf;
 using sightline_ros::LocalTrackerComponent;
 using sightline_ros::LocalTrackerHealth;
 using sightline_ros::ParamReader;
@@ -24,10 +28,6 @@ using sightline_ros::toCore;
 using sightline_ros::TrackerReport;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-core::Time at(double seconds) {
-  return core::Time(core::durationOf(seconds));
-}
 
 sightline::SightingArray::Ptr scanAt(double stamp, const std::vector<double>& azimuths,
                                      const std::string& sensor = "eye") {
@@ -166,13 +166,6 @@ TEST_F(TrackerComponent, ScanWithoutTransformIsReportedOnceItIsGivenUp) {
   ASSERT_TRUE(reports[0].refusal);
   EXPECT_EQ(reports[0].refusal->kind, "no transform");
   EXPECT_EQ(reports[0].associations->associations.size(), 2u);
-}
-
-std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& key) {
-  for (const auto& value : status.values) {
-    if (value.key == key) return value.value;
-  }
-  return "(absent)";
 }
 
 TEST_F(TrackerComponent, HealthShowsRatesDropsAgesAndTracks) {

@@ -17,25 +17,25 @@
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/position_messages.h"
 
+#include "support/diagnostics.h"
 #include "support/scratch_folder.h"
 #include "support/seen_stations.h"
+#include "support/times.h"
 
 namespace {
 
 namespace core = sightline::core;
+using sightline::test::at;
 using sightline::test::SeenStation;
 using sightline::test::targetAt;
 using sightline::test::targetVelocityAt;
+using sightline::test::valueOf;
 using sightline_ros::ParamReader;
 using sightline_ros::PositionResult;
 using sightline_ros::PositionTrackerComponent;
 using sightline_ros::PositionTrackerHealth;
 
 constexpr double kStart = 100.0;  // [s]
-
-core::Time at(double seconds) {
-  return core::Time(core::durationOf(seconds));
-}
 
 /// A position tracker with stations round the target, whose frames stand and are turned.
 class PositionTrackerComponentTest : public testing::Test {
@@ -301,12 +301,6 @@ TEST_F(PositionTrackerComponentTest, StampsOfAllStationsThatGoBackStartAnewWithA
   EXPECT_EQ(latest_.tracks->header.stamp, ros::Time(kStart - 50.0 + 0.05 * 65));
 }
 
-std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& key) {
-  for (const auto& value : status.values)
-    if (value.key == key) return value.value;
-  return "(none)";
-}
-
 TEST_F(PositionTrackerComponentTest, HealthTellsPositionsSourcesAndRefusals) {
   PositionTrackerHealth health({"/west/tracks", "/east/tracks"}, 2.0);
   diagnostic_updater::DiagnosticStatusWrapper before;
@@ -330,7 +324,7 @@ TEST_F(PositionTrackerComponentTest, HealthTellsPositionsSourcesAndRefusals) {
   EXPECT_EQ(valueOf(status, "/east/tracks: rate [Hz]"), "20.5");
   EXPECT_EQ(valueOf(status, "messages that wait for transforms"), "3");
   EXPECT_EQ(valueOf(status, "largest distance of stations [m]"), "80.0");
-  EXPECT_NE(valueOf(status, "slow error of west/eye of west"), "(none)");
+  EXPECT_NE(valueOf(status, "slow error of west/eye of west"), "(absent)");
   EXPECT_NE(status.message.find("no transform"), std::string::npos) << status.message;
   health.diagnose(at(kStart + 5.0), component_->stations(), 0, status);
   EXPECT_NE(status.message.find("no tracks on /east/tracks for 3 s"), std::string::npos) << status.message;

@@ -2,13 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
 namespace {
 
+using sightline::test::at;
 using sightline_ros::SimulatedClock;
-
-sightline::core::Time at(double t) {
-  return sightline::core::Time{} + sightline::core::durationOf(t);
-}
 
 TEST(SimulatedClock, SmallStepsBackAreNoneAndAddUp) {
   SimulatedClock clock;

@@ -10,16 +10,21 @@
 
 #include <geometry_msgs/TransformStamped.h>
 
+#include "sightline/ros/components/component_params.h"
 #include "sightline/ros/components/track_fusion_health.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/params/track_fusion_params.h"
 
+#include "support/diagnostics.h"
 #include "support/paths.h"
 #include "support/scratch_folder.h"
+#include "support/times.h"
 
 namespace {
 
 namespace core = sightline::core;
+using sightline::test::at;
+using sightline::test::valueOf;
 using sightline_ros::FusionResult;
 using sightline_ros::ParamError;
 using sightline_ros::ParamReader;
@@ -28,10 +33,6 @@ using sightline_ros::TrackFusionHealth;
 
 std::string kindOf(const std::optional<core::Refusal>& refusal) {
   return refusal ? refusal->kind : "";
-}
-
-core::Time at(double seconds) {
-  return core::Time(core::durationOf(seconds));
 }
 
 sightline::TrackArray tracksOf(const std::string& tracker, double stamp, double azimuth = 0.5) {
@@ -64,7 +65,7 @@ TEST(TrackFusionParams, ShippedFileSaysTheDefaultsAndNothingElse) {
   const ParamReader reader =
       ParamReader::fromYaml(sightline::test::sourceDirectory() + "/config/track_fusion.yaml");
   const TrackFusionComponent component(reader, "node");
-  TrackFusionHealth::silenceFrom(reader);
+  silenceFrom(reader);
   EXPECT_NO_THROW(reader.finish());
   // The settings of the estimators are those of local_tracker.yaml, and not repeated.
   for (const std::string& key : reader.differences()) {
@@ -118,13 +119,6 @@ TEST(TrackFusionParams, BadValuesAreRefused) {
                            "tracklets: {max_missing: 1.5}", "unknown_key: 1"}) {
     EXPECT_THROW(paramsOf(yaml), ParamError) << yaml;
   }
-}
-
-std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& key) {
-  for (const auto& value : status.values) {
-    if (value.key == key) return value.value;
-  }
-  return "(absent)";
 }
 
 class FusionComponent : public testing::Test {

@@ -5,14 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
 namespace {
 
 namespace core = sightline::core;
+using sightline::test::at;
 using sightline_ros::Refusals;
-
-core::Time at(double seconds) {
-  return core::Time(core::durationOf(seconds));
-}
 
 std::map<std::string, std::string> valuesOf(const diagnostic_updater::DiagnosticStatusWrapper& status) {
   std::map<std::string, std::string> values;

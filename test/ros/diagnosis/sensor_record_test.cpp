@@ -18,15 +18,15 @@ using sightline_ros::SensorRecord;
 
 using Change = std::function<void(int number, SightingArray& scan, double& latency)>;
 
-constexpr double kPeriod = 0.05, kLatency = 0.02;  // [s]
+constexpr double kRecordPeriod = 0.05, kRecordLatency = 0.02;  // [s]
 
 /// A hundred scans of a sensor; `change` spoils it.
 SensorRecord recordOf(const Change& change = [](int, SightingArray&, double&) {}) {
   SensorRecord record;
   for (int k = 0; k < 100; ++k) {
-    const double time = 1000.0 + kPeriod * k;
+    const double time = 1000.0 + kRecordPeriod * k;
     SightingArray scan = scanOf("eye", time, {{0.1, 0.2}}, 2e-3);
-    double latency = kLatency;
+    double latency = kRecordLatency;
     change(k, scan, latency);
     record.take(scan, core::Time(core::durationOf(time + latency)));
   }
@@ -46,8 +46,8 @@ TEST(SensorRecord, KnowsPaceDelayAndSigmaOfAHealthySensor) {
   EXPECT_EQ(wordsOf(record), "");
   EXPECT_EQ(record.scans(), 100u);
   EXPECT_EQ(record.sightings(), 100u);
-  EXPECT_NEAR(record.interval(0.5).value(), kPeriod, 1e-6);
-  EXPECT_NEAR(record.latency(0.5).value(), kLatency, 1e-6);
+  EXPECT_NEAR(record.interval(0.5).value(), kRecordPeriod, 1e-6);
+  EXPECT_NEAR(record.latency(0.5).value(), kRecordLatency, 1e-6);
   EXPECT_NEAR(record.statedSigma().value(), 2e-3, 1e-9);
   EXPECT_EQ(record.frames(), std::set<std::string>{"platform_enu"});
 }
@@ -73,7 +73,7 @@ TEST(SensorRecord, StampsThatGoBackRepeatOrStopAreFound) {
             })).find("stamped before the one that came before them"),
             std::string::npos);
   EXPECT_NE(wordsOf(recordOf([](int k, SightingArray& scan, double&) {
-              scan.header.stamp = ros::Time(1000.0 + kPeriod * (k / 2));
+              scan.header.stamp = ros::Time(1000.0 + kRecordPeriod * (k / 2));
             })).find("repeat the stamp"),
             std::string::npos);
   EXPECT_NE(wordsOf(recordOf([](int k, SightingArray& scan, double&) {

@@ -11,7 +11,7 @@ namespace {
 using sightline_ros::Finding;
 using sightline_ros::TrackStarts;
 
-constexpr double kStart = 1000.0;  // [s]
+constexpr double kFirstScan = 1000.0;  // [s]
 
 sightline::AssociationArray decided(const std::string& sensor, double time, std::uint8_t decision,
                                     std::uint32_t track) {
@@ -44,7 +44,7 @@ template <typename AzimuthAt>
 void startInVain(TrackStarts& starts, int count, double interval, double sigma, const AzimuthAt& azimuthAt,
                  std::uint32_t first_id = 1) {
   for (int k = 0; k < count; ++k) {
-    const double time = kStart + interval * k;
+    const double time = kFirstScan + interval * k;
     const std::uint32_t id = first_id + static_cast<std::uint32_t>(k);
     starts.take(decided("cam", time, sightline::Association::STARTED_TRACK, id));
     starts.take(tracked(time, id, sightline::Track::TENTATIVE, azimuthAt(k), sigma));
@@ -96,8 +96,8 @@ TEST(TrackStarts, AreForgottenOnceAConfirmedTrackTakesASighting) {
   TrackStarts starts;
   startInVain(starts, 20, 1.0, 1e-3, [](int k) { return 0.01 * k; });
   EXPECT_NE(foundOf(starts).words, "");
-  starts.take(tracked(kStart + 30.0, 7000, sightline::Track::CONFIRMED, 0.1, 1e-3));
-  starts.take(decided("cam", kStart + 31.0, sightline::Association::ACCEPTED, 7000));
+  starts.take(tracked(kFirstScan + 30.0, 7000, sightline::Track::CONFIRMED, 0.1, 1e-3));
+  starts.take(decided("cam", kFirstScan + 31.0, sightline::Association::ACCEPTED, 7000));
   EXPECT_EQ(foundOf(starts).words, "");
 }
 
@@ -105,8 +105,8 @@ TEST(TrackStarts, OfFalseSightingsAreNoNewsOnceATargetHasBeenTracked) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> azimuth(-1.0, 1.0);
   TrackStarts starts;
-  starts.take(tracked(kStart - 1.0, 7000, sightline::Track::CONFIRMED, 0.1, 1e-3));
-  starts.take(decided("cam", kStart - 1.0, sightline::Association::ACCEPTED, 7000));
+  starts.take(tracked(kFirstScan - 1.0, 7000, sightline::Track::CONFIRMED, 0.1, 1e-3));
+  starts.take(decided("cam", kFirstScan - 1.0, sightline::Association::ACCEPTED, 7000));
   startInVain(starts, 60, 0.1, 1e-3, [&](int) { return azimuth(random); });
   EXPECT_EQ(foundOf(starts).words, "");
 }
@@ -114,7 +114,7 @@ TEST(TrackStarts, OfFalseSightingsAreNoNewsOnceATargetHasBeenTracked) {
 TEST(TrackStarts, AreTheSameWhenTracksComeBeforeTheirAssociations) {
   TrackStarts starts;
   for (std::uint32_t id = 1; id <= 60; ++id) {
-    const double time = kStart + 10.0 * id;
+    const double time = kFirstScan + 10.0 * id;
     starts.take(tracked(time, id, sightline::Track::TENTATIVE, 0.01 * id, 3e-4));
     starts.take(decided("cam", time, sightline::Association::STARTED_TRACK, id));
   }
@@ -127,7 +127,7 @@ TEST(TrackStarts, AreTheSameWhenTracksComeBeforeTheirAssociations) {
 TEST(TrackStarts, OfWhichOneIsConfirmedAreFine) {
   TrackStarts starts;
   startInVain(starts, 20, 1.0, 1e-3, [](int k) { return 0.01 * k; });
-  starts.take(tracked(kStart + 19.0, 20, sightline::Track::CONFIRMED, 0.1, 1e-3));
+  starts.take(tracked(kFirstScan + 19.0, 20, sightline::Track::CONFIRMED, 0.1, 1e-3));
   EXPECT_EQ(foundOf(starts).words, "");
 }
 

@@ -12,7 +12,7 @@ namespace core = sightline::core;
 using sightline_ros::SightingMemory;
 using sightline_ros::TrackMemory;
 
-sightline::Track track(std::uint32_t id, double azimuth, double elevation) {
+sightline::Track smallTrack(std::uint32_t id, double azimuth, double elevation) {
   sightline::Track track;
   track.id = id;
   track.azimuth = azimuth;
@@ -21,7 +21,7 @@ sightline::Track track(std::uint32_t id, double azimuth, double elevation) {
   return track;
 }
 
-sightline::TrackArray report(double time, const std::vector<sightline::Track>& tracks) {
+sightline::TrackArray reportAt(double time, const std::vector<sightline::Track>& tracks) {
   sightline::TrackArray report;
   report.header.stamp.fromSec(time);
   report.tracks = tracks;
@@ -41,7 +41,7 @@ core::Scan scanOf(std::size_t sightings, double time = 1.0) {
 
 TEST(TrackMemory, ThinnedPathKeepsItsLengthAndItsNewestPoint) {
   TrackMemory memory(4.0);
-  for (int i = 0; i <= 10000; ++i) memory.add(report(1.0 + 1e-3 * i, {track(1, 1e-4 * i, 0.0)}), 0.0);
+  for (int i = 0; i <= 10000; ++i) memory.add(reportAt(1.0 + 1e-3 * i, {smallTrack(1, 1e-4 * i, 0.0)}), 0.0);
   const auto& path = memory.pathOf(1);
   EXPECT_LE(path.size(), 220U);
   EXPECT_NEAR(core::seconds(path.back().time - path.front().time), 4.0, 0.05);
@@ -51,9 +51,9 @@ TEST(TrackMemory, ThinnedPathKeepsItsLengthAndItsNewestPoint) {
 TEST(TrackMemory, AnglesBetweenReportsFollowTheMotion) {
   TrackMemory memory(4.0);
   for (int i = 0; i < 5; ++i) {
-    sightline::Track moving = track(1, std::sin(0.1 * i), 0.0);
+    sightline::Track moving = smallTrack(1, std::sin(0.1 * i), 0.0);
     moving.azimuth_rate = std::cos(0.1 * i);
-    memory.add(report(1.0 + 0.1 * i, {moving}), 0.0);
+    memory.add(reportAt(1.0 + 0.1 * i, {moving}), 0.0);
   }
   const auto at = [&](double time) { return memory.anglesAt(1, core::timeOf(0) + core::durationOf(time)); };
   ASSERT_TRUE(at(1.25).has_value());
@@ -66,8 +66,8 @@ TEST(TrackMemory, AnglesBetweenReportsFollowTheMotion) {
 
 TEST(TrackMemory, TracksThatAReportDoesNotHoldAndThoseNotFiniteAreForgotten) {
   TrackMemory memory(4.0);
-  memory.add(report(1.0, {track(1, 0.1, 0.0), track(2, 0.2, 0.0)}), 0.0);
-  memory.add(report(1.1, {track(2, 0.2, 0.0), track(3, std::nan(""), 0.0)}), 0.1);
+  memory.add(reportAt(1.0, {smallTrack(1, 0.1, 0.0), smallTrack(2, 0.2, 0.0)}), 0.0);
+  memory.add(reportAt(1.1, {smallTrack(2, 0.2, 0.0), smallTrack(3, std::nan(""), 0.0)}), 0.1);
   EXPECT_TRUE(memory.pathOf(1).empty());
   EXPECT_EQ(memory.pathOf(2).size(), 2U);
   ASSERT_EQ(memory.newest().tracks.size(), 1U);
@@ -76,8 +76,8 @@ TEST(TrackMemory, TracksThatAReportDoesNotHoldAndThoseNotFiniteAreForgotten) {
 
 TEST(TrackMemory, ReportFromBeforeTheLastOneStartsAnew) {
   TrackMemory memory(4.0);
-  memory.add(report(5.0, {track(1, 0.1, 0.0)}), 0.0);
-  memory.add(report(1.0, {track(1, 0.2, 0.0)}), 1.0);
+  memory.add(reportAt(5.0, {smallTrack(1, 0.1, 0.0)}), 0.0);
+  memory.add(reportAt(1.0, {smallTrack(1, 0.2, 0.0)}), 1.0);
   EXPECT_EQ(memory.pathOf(1).size(), 1U);
 }
 

@@ -13,18 +13,17 @@
 #include "sightline/core/model/sphere.h"
 #include "sightline/ros/messages/conversions.h"
 
+#include "support/times.h"
+
 namespace {
 
 namespace core = sightline::core;
+using sightline::test::at;
 using sightline_ros::FrameChange;
 using sightline_ros::FrameChangeParams;
 using sightline_ros::toCore;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-core::Time at(double seconds) {
-  return core::Time(core::durationOf(seconds));
-}
 
 sightline::Sighting sighting(double azimuth, double elevation, double sigma = 1e-3) {
   sightline::Sighting sighting;

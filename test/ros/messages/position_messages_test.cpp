@@ -7,13 +7,13 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "support/times.h"
+
+using sightline::test::at;
+
 namespace {
 
 namespace core = sightline::core;
-
-core::Time at(double seconds) {
-  return core::Time(core::durationOf(seconds));
-}
 
 core::PositionTrack track(std::uint32_t id, core::TrackStatus status) {
   core::PositionTrack it;

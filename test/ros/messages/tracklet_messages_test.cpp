@@ -7,13 +7,13 @@
 
 #include "sightline/core/model/sphere.h"
 
+#include "support/times.h"
+
+using sightline::test::at;
+
 namespace {
 
 namespace core = sightline::core;
-
-core::Time at(double seconds) {
-  return core::Time(core::durationOf(seconds));
-}
 
 core::TrackTracklet tracklet(std::uint32_t track, double time) {
   core::TrackTracklet it;

@@ -7,6 +7,7 @@
 
 #include <tf2/buffer_core.h>
 
+#include "sightline/ros/components/component_params.h"
 #include "sightline/ros/components/position_tracker_component.h"
 #include "sightline/ros/components/position_tracker_health.h"
 
@@ -21,7 +22,7 @@ using sightline_ros::ParamReader;
 using sightline_ros::PositionTrackerComponent;
 using sightline_ros::PositionTrackerHealth;
 
-core::PositionTrackerParams paramsOf(const std::string& yaml) {
+core::PositionTrackerParams positionParamsOf(const std::string& yaml) {
   const ScratchFolder folder;
   const ParamReader reader = ParamReader::fromYaml(folder.write("params.yaml", yaml));
   const core::PositionTrackerParams params = sightline_ros::loadPositionTrackerParams(reader);
@@ -34,7 +35,7 @@ TEST(PositionTrackerParams, ShippedFileSaysTheDefaultsAndNothingElse) {
       ParamReader::fromYaml(sightline::test::sourceDirectory() + "/config/position_tracker.yaml");
   const tf2::BufferCore transforms;
   const PositionTrackerComponent component(reader, "node", transforms);
-  PositionTrackerHealth::silenceFrom(reader);
+  silenceFrom(reader);
   EXPECT_NO_THROW(reader.finish());
   EXPECT_EQ(reader.differences(), std::vector<std::string>{});
   EXPECT_EQ(component.name(), "node");
@@ -42,7 +43,7 @@ TEST(PositionTrackerParams, ShippedFileSaysTheDefaultsAndNothingElse) {
 }
 
 TEST(PositionTrackerParams, EveryKeyReachesItsField) {
-  const core::PositionTrackerParams params = paramsOf(
+  const core::PositionTrackerParams params = positionParamsOf(
       "{max_lag: 0.2, max_relative_sigma: 0.25, decision_interval: 0.4, claim_gate: 9.0, claim_decisions: 4,"
       " contradiction: 20.0, contradiction_time: 0.6, merge_gate: 12.0, confirm_after: 0.7, coast_after: 0.8,"
       " delete_after: 3.0, remember_for: 4.0, max_local_tracks: 50, max_targets: 60}");
@@ -66,7 +67,7 @@ TEST(PositionTrackerParams, EveryKeyReachesItsField) {
 
 TEST(PositionTrackerParams, EveryKeyOfTheSectionsReachesItsField) {
   const core::PositionSceneParams scene =
-      paramsOf(
+      positionParamsOf(
           "{estimator: {dwell: 5.0, scale_memory: 2.0, outlier_distance: 3.0, alone_after: 0.2,"
           " alone_intervals: 4.0, start_window: 0.9, lost_relative_sigma: 2.0, fast_share: 0.1, fast_time: "
           "0.02},"
@@ -106,12 +107,12 @@ TEST(PositionTrackerParams, EveryKeyOfTheSectionsReachesItsField) {
 
 TEST(PositionTrackerParams, ListOfModelsReplacesTheDefaultBank) {
   const auto models =
-      paramsOf("estimator: {models: [{kind: white_jerk, ratio: 7.0}]}").scene.estimator.models;
+      positionParamsOf("estimator: {models: [{kind: white_jerk, ratio: 7.0}]}").scene.estimator.models;
   ASSERT_EQ(models.size(), 1u);
   EXPECT_EQ(models[0].kind, core::PositionModel::Kind::white_jerk);
   EXPECT_EQ(models[0].ratio, 7.0);
-  EXPECT_THROW(paramsOf("estimator: {models: []}"), ParamError);
-  EXPECT_THROW(paramsOf("estimator: {models: [{kind: magic, ratio: 1.0}]}"), ParamError);
+  EXPECT_THROW(positionParamsOf("estimator: {models: []}"), ParamError);
+  EXPECT_THROW(positionParamsOf("estimator: {models: [{kind: magic, ratio: 1.0}]}"), ParamError);
 }
 
 TEST(PositionTrackerParams, BadValuesAreRefused) {
@@ -120,7 +121,7 @@ TEST(PositionTrackerParams, BadValuesAreRefused) {
         "claim_decisions: 0", "max_targets: 0", "estimator: {lost_relative_sigma: 0.2}",
         "hypotheses: {detection_probability: 1.0}", "station_noise: {least_scale: 5.0, most_scale: 4.0}",
         "estimator: {outlier_distance: 0.5}", "unknown_key: 1"}) {
-    EXPECT_THROW(paramsOf(yaml), ParamError) << yaml;
+    EXPECT_THROW(positionParamsOf(yaml), ParamError) << yaml;
   }
 }
 

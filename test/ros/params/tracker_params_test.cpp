@@ -7,6 +7,7 @@
 
 #include <tf2/buffer_core.h>
 
+#include "sightline/ros/components/component_params.h"
 #include "sightline/ros/components/local_tracker_component.h"
 #include "sightline/ros/components/local_tracker_health.h"
 
@@ -27,13 +28,13 @@ TEST(TrackerParams, ShippedFileSaysTheDefaultsAndNothingElse) {
       ParamReader::fromYaml(sightline::test::sourceDirectory() + "/config/local_tracker.yaml");
   const tf2::BufferCore transforms;
   const LocalTrackerComponent component(reader, "node", transforms);
-  LocalTrackerHealth::silenceFrom(reader);
+  silenceFrom(reader);
   EXPECT_NO_THROW(reader.finish());
   EXPECT_EQ(reader.differences(), std::vector<std::string>{});
   EXPECT_EQ(component.name(), "node");
 }
 
-core::LocalTrackerParams paramsOf(const std::string& yaml) {
+core::LocalTrackerParams trackerParamsOf(const std::string& yaml) {
   const ScratchFolder folder;
   const ParamReader reader = ParamReader::fromYaml(folder.write("params.yaml", yaml));
   const core::LocalTrackerParams params = loadLocalTrackerParams(reader);
@@ -42,29 +43,30 @@ core::LocalTrackerParams paramsOf(const std::string& yaml) {
 }
 
 TEST(TrackerParams, EveryChoiceReachesItsField) {
-  EXPECT_EQ(paramsOf("estimator: noga").estimator.kind, core::EstimatorKind::noga);
-  EXPECT_EQ(paramsOf("estimator: imm").estimator.kind, core::EstimatorKind::imm);
-  EXPECT_EQ(paramsOf("gate: {shape: rectangle}").gate.shape, core::GateShape::rectangle);
-  EXPECT_EQ(paramsOf("twbls: {paper: {time_weight: linear}}").estimator.twbls.time_weight,
+  EXPECT_EQ(trackerParamsOf("estimator: noga").estimator.kind, core::EstimatorKind::noga);
+  EXPECT_EQ(trackerParamsOf("estimator: imm").estimator.kind, core::EstimatorKind::imm);
+  EXPECT_EQ(trackerParamsOf("gate: {shape: rectangle}").gate.shape, core::GateShape::rectangle);
+  EXPECT_EQ(trackerParamsOf("twbls: {paper: {time_weight: linear}}").estimator.twbls.time_weight,
             core::TimeWeight::linear);
-  EXPECT_EQ(paramsOf("twbls: {paper: {sensor_weight: ifov}}").estimator.twbls.sensor_weight,
+  EXPECT_EQ(trackerParamsOf("twbls: {paper: {sensor_weight: ifov}}").estimator.twbls.sensor_weight,
             core::SensorWeight::ifov);
-  EXPECT_EQ(paramsOf("twbls: {paper: {anchor: raw}}").estimator.twbls.anchor, core::TwblsAnchor::raw);
-  EXPECT_EQ(paramsOf("twbls: {paper: {covariance: fit_error}}").estimator.twbls.covariance,
+  EXPECT_EQ(trackerParamsOf("twbls: {paper: {anchor: raw}}").estimator.twbls.anchor, core::TwblsAnchor::raw);
+  EXPECT_EQ(trackerParamsOf("twbls: {paper: {covariance: fit_error}}").estimator.twbls.covariance,
             core::TwblsCovariance::fit_error);
-  EXPECT_EQ(paramsOf("noga: {paper: {covariance: printed}}").estimator.noga.covariance,
+  EXPECT_EQ(trackerParamsOf("noga: {paper: {covariance: printed}}").estimator.noga.covariance,
             core::NogaCovariance::printed);
   EXPECT_EQ(sightline_ros::nameOf(core::EstimatorKind::kalman), "kalman");
 }
 
 TEST(TrackerParams, ListOfModelsReplacesTheDefaultBank) {
-  const auto models = paramsOf("imm: {models: [{order: 1, process_noise: 0.5}]}").estimator.imm.models;
+  const auto models = trackerParamsOf("imm: {models: [{order: 1, process_noise: 0.5}]}").estimator.imm.models;
   ASSERT_EQ(models.size(), 1u);
   EXPECT_EQ(models[0].order, 1);
   EXPECT_EQ(models[0].noise.density, 0.5);
-  EXPECT_THROW(paramsOf("imm: {models: []}"), ParamError);
-  EXPECT_THROW(paramsOf("imm: {models: [{order: 3, process_noise: 0.5}]}"), ParamError);
-  EXPECT_THROW(paramsOf("imm: {models: [{order: 1, process_noise: 0, process_noise_ratio: 0}]}"), ParamError);
+  EXPECT_THROW(trackerParamsOf("imm: {models: []}"), ParamError);
+  EXPECT_THROW(trackerParamsOf("imm: {models: [{order: 3, process_noise: 0.5}]}"), ParamError);
+  EXPECT_THROW(trackerParamsOf("imm: {models: [{order: 1, process_noise: 0, process_noise_ratio: 0}]}"),
+               ParamError);
 }
 
 TEST(TrackerParams, WhatIsOutOfRangeIsRefused) {
@@ -102,7 +104,7 @@ TEST(TrackerParams, WhatIsOutOfRangeIsRefused) {
                             "imm: {dwell: 0.0}",
                             "no_such_key: 1",
                             "gate: {probabilty: 0.9}"}) {
-    EXPECT_THROW(paramsOf(wrong), ParamError) << wrong;
+    EXPECT_THROW(trackerParamsOf(wrong), ParamError) << wrong;
   }
 }
 

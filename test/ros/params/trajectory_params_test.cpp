@@ -12,7 +12,7 @@ namespace core = sightline::core;
 using sightline_ros::ParamError;
 using sightline_ros::ParamReader;
 
-ParamReader readerOf(const std::string& yaml) {
+ParamReader motionReader(const std::string& yaml) {
   const ScratchFolder folder;
   return ParamReader::fromYaml(folder.write("motion.yaml", yaml));
 }
@@ -20,7 +20,7 @@ ParamReader readerOf(const std::string& yaml) {
 /// The complaint about a trajectory; "none" when it is read.
 std::string complaintAbout(const std::string& yaml) {
   try {
-    sightline_ros::loadTrajectory(readerOf(yaml), 1);
+    sightline_ros::loadTrajectory(motionReader(yaml), 1);
   } catch (const ParamError& refusal) {
     return refusal.what();
   }
@@ -28,22 +28,24 @@ std::string complaintAbout(const std::string& yaml) {
 }
 
 TEST(TrajectoryParams, WithoutKeysTheTargetIsThePapersAndThePlatformStandsStill) {
-  const auto trajectory = sightline_ros::loadTrajectory(readerOf("{}"), 1);
+  const auto trajectory = sightline_ros::loadTrajectory(motionReader("{}"), 1);
   ASSERT_TRUE(std::holds_alternative<core::Sinusoid>(trajectory));
   EXPECT_EQ(std::get<core::Sinusoid>(trajectory).amplitude, core::Sinusoid{}.amplitude);
-  EXPECT_TRUE(std::holds_alternative<core::FixedPlatform>(sightline_ros::loadPlatformMotion(readerOf("{}"))));
+  EXPECT_TRUE(
+      std::holds_alternative<core::FixedPlatform>(sightline_ros::loadPlatformMotion(motionReader("{}"))));
 }
 
 TEST(TrajectoryParams, KeysOfTheChosenKindAreRead) {
   const auto line = sightline_ros::loadTrajectory(
-      readerOf("{trajectory: line, angles: [0.5, 0.25], rates: [0.125, -0.5]}"), 1);
+      motionReader("{trajectory: line, angles: [0.5, 0.25], rates: [0.125, -0.5]}"), 1);
   EXPECT_EQ(std::get<core::AngularLine>(line).rates, Eigen::Vector2d(0.125, -0.5));
-  const auto orbit = sightline_ros::loadPlatformMotion(readerOf("{motion: orbit, radius: 20.0, phase: 1.0}"));
+  const auto orbit =
+      sightline_ros::loadPlatformMotion(motionReader("{motion: orbit, radius: 20.0, phase: 1.0}"));
   EXPECT_EQ(std::get<core::OrbitPlatform>(orbit).radius, 20.0);
 }
 
 TEST(TrajectoryParams, TheSeedIsThatOfARandomTrajectory) {
-  const auto path = sightline_ros::loadTrajectory(readerOf("trajectory: white_acceleration"), 42);
+  const auto path = sightline_ros::loadTrajectory(motionReader("trajectory: white_acceleration"), 42);
   EXPECT_EQ(std::get<core::WhiteAcceleration>(path).seed, 42u);
 }
 

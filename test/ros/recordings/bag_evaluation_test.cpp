@@ -23,7 +23,7 @@ using namespace sightline_ros;
 
 namespace {
 
-constexpr double kStart = 100.0, kStep = 0.05;  // [s]
+constexpr double kBagStart = 100.0, kStep = 0.05;  // [s]
 constexpr int kInstants = 101;
 
 Eigen::Vector4d truthAt(double t) {
@@ -66,7 +66,7 @@ std::string makeBag(const ScratchFolder& folder, const RecordingOptions& options
   rosbag::Bag bag(path, rosbag::bagmode::Write);
   for (int i = 0; i < kInstants; ++i) {
     const double t = kStep * i;
-    const ros::Time stamp(kStart + t);
+    const ros::Time stamp(kBagStart + t);
     const Eigen::Vector4d truth = truthAt(t);
 
     sightline::SightingArray scan;
@@ -175,7 +175,7 @@ TEST(BagEvaluation, TakesItsTruthFromACsvFile) {
   csv << "time,target,azimuth,elevation\n";
   for (int i = kInstants + 1; i >= -1; --i) {  // in any order
     const Eigen::Vector4d truth = truthAt(kStep * i);
-    csv << kStart + kStep * i << ",drone," << truth(0) << "," << truth(1) << "\n";
+    csv << kBagStart + kStep * i << ",drone," << truth(0) << "," << truth(1) << "\n";
   }
   const std::string report = evaluateBag(makeBag(folder), withTruth(folder.write("truth.csv", csv.str())));
   EXPECT_EQ(wordsAfter(report, "local tracks", "/sensors/cam/tracks")[2], "0.003536");
@@ -190,7 +190,7 @@ TEST(BagEvaluation, ASensorsOwnTruthIsForItsTopics) {
   for (int i = -1; i <= kInstants; ++i) {
     for (const std::string sensor : {"cam", "other"}) {
       const double offset = sensor == "cam" ? 0.0 : 1.0;
-      csv << kStart + kStep * i << "," << sensor << "," << truthAt(kStep * i)(0) + offset << ",0.0,97.7\n";
+      csv << kBagStart + kStep * i << "," << sensor << "," << truthAt(kStep * i)(0) + offset << ",0.0,97.7\n";
     }
   }
   const std::string report = evaluateBag(makeBag(folder), withTruth(folder.write("truth.csv", csv.str())));
@@ -205,7 +205,7 @@ TEST(BagEvaluation, ComparesAzimuthsAloneWhenAsked) {
   csv.precision(12);
   csv << "time,target,azimuth,range_m\n";
   for (int i = -1; i <= kInstants; ++i)
-    csv << kStart + kStep * i << ",1," << truthAt(kStep * i)(0) << ",100\n";
+    csv << kBagStart + kStep * i << ",1," << truthAt(kStep * i)(0) << ",100\n";
   BagEvaluationSettings settings = withTruth(folder.write("truth.csv", csv.str()));
   const std::string bag = makeBag(folder);
   try {
@@ -287,7 +287,7 @@ TEST(BagEvaluation, WritesWhatItComparedForPlots) {
 }
 
 /// Lines of a CSV file as cells by name of the column.
-std::vector<std::map<std::string, std::string>> tableOf(const std::string& path) {
+std::vector<std::map<std::string, std::string>> rowsOfCsv(const std::string& path) {
   const auto cellsOf = [](const std::string& line) {
     std::vector<std::string> cells(1);
     for (const char letter : line) letter == ',' ? cells.emplace_back() : cells.back() += letter;
@@ -315,7 +315,7 @@ TEST(BagEvaluation, WritesWhatItFoundForPrograms) {
   BagEvaluationSettings settings = withTruth("/truth");
   settings.csv = folder.file("csv");
   const std::string report = evaluateBag(makeBag(folder, options), settings);
-  auto rows = tableOf(folder.file("csv") + "/evaluation.csv");
+  auto rows = rowsOfCsv(folder.file("csv") + "/evaluation.csv");
   ASSERT_EQ(rows.size(), 5u);  // sightings, two trackers, and the target of each of these
   EXPECT_EQ(rows[0]["kind"], "sightings");
   EXPECT_EQ(rows[0]["confirm_median"], "");
@@ -343,7 +343,7 @@ TEST(BagEvaluation, WithoutATruthWritesTheResidualsForPrograms) {
   BagEvaluationSettings settings;
   settings.csv = folder.file("csv");
   evaluateBag(makeBag(folder, options), settings);
-  auto rows = tableOf(folder.file("csv") + "/evaluation.csv");
+  auto rows = rowsOfCsv(folder.file("csv") + "/evaluation.csv");
   ASSERT_EQ(rows.size(), 2u);  // of the fusion and of the sensor's tracker
   EXPECT_EQ(rows[1]["topic"], "/sensors/cam/tracks");
   EXPECT_EQ(rows[1]["name"], "cam");

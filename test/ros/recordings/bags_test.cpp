@@ -9,27 +9,20 @@
 #include <rosbag/view.h>
 #include <std_msgs/String.h>
 
+#include "support/complaint.h"
 #include "support/file_size_limit.h"
 #include "support/scratch_folder.h"
 
 using namespace sightline_ros;
+using sightline::test::complaintOf;
 
 namespace {
-
-std::string complaintOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(Bags, AFileThatIsMissingOrNoBagIsRefusedByName) {
   const ScratchFolder folder;
   const std::string missing = folder.file("missing.bag"), text = folder.write("text.bag", "no bag");
-  EXPECT_EQ(complaintOf([&] { openBag(missing); }), missing + ": there is no such file");
-  EXPECT_EQ(complaintOf([&] { openBag(text); }).find(text + ": is no readable bag"), 0u);
+  EXPECT_EQ(complaintOf<std::runtime_error>([&] { openBag(missing); }), missing + ": there is no such file");
+  EXPECT_EQ(complaintOf<std::runtime_error>([&] { openBag(text); }).find(text + ": is no readable bag"), 0u);
 }
 
 TEST(Bags, AWriterPutsTheFileInPlaceOnlyWhenItIsFinished) {
@@ -51,7 +44,9 @@ TEST(Bags, AWriterPutsTheFileInPlaceOnlyWhenItIsFinished) {
 
 TEST(Bags, AFileThatCannotBeWrittenIsRefusedByName) {
   const std::string file = "/no/such/folder/out.bag";
-  EXPECT_EQ(complaintOf([&] { BagWriter writer(file); }).find(file + ": cannot be written"), 0u);
+  EXPECT_EQ(
+      complaintOf<std::runtime_error>([&] { BagWriter writer(file); }).find(file + ": cannot be written"),
+      0u);
 }
 
 /// Ten megabytes, which do not stay in buffers.
@@ -65,21 +60,21 @@ TEST(Bags, AFullDiskIsAnErrorWithTheReasonAndLeavesNothing) {
   for (const rlim_t limit : {1000, 6000000}) {  // at once, and in the midst of it
     const ScratchFolder folder;
     const std::string file = folder.file("out.bag");
-    const std::string said = complaintOf([&] {
+    const std::string said = complaintOf<std::runtime_error>([&] {
       const FileSizeLimit full(limit);
       writeBag(file, {}, writeMuch);
     });
     EXPECT_EQ(said, file + ": cannot be written: File too large");
     EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(file).parent_path()));
   }
-  EXPECT_EQ(complaintOf([] { writeBag("/dev/full", {}, writeMuch); }),
+  EXPECT_EQ(complaintOf<std::runtime_error>([] { writeBag("/dev/full", {}, writeMuch); }),
             "/dev/full: cannot be written: No space left on device");
 }
 
 TEST(Bags, AnInputIsNotOverwritten) {
   const ScratchFolder folder;
   const std::string input = folder.write("in.csv", "data");
-  EXPECT_EQ(complaintOf([&] { writeBag(input, {input}, writeMuch); }),
+  EXPECT_EQ(complaintOf<std::runtime_error>([&] { writeBag(input, {input}, writeMuch); }),
             input + " cannot be read and written at once: name another output");
   EXPECT_EQ(std::filesystem::file_size(input), 4u);
 }
@@ -87,7 +82,8 @@ TEST(Bags, AnInputIsNotOverwritten) {
 TEST(Bags, WhatTheFillerThrowsIsPassedOnAndNothingIsLeft) {
   const ScratchFolder folder;
   const std::string file = folder.file("out.bag");
-  EXPECT_EQ(complaintOf([&] { writeBag(file, {}, [](rosbag::Bag&) { throw std::runtime_error("no"); }); }),
+  EXPECT_EQ(complaintOf<std::runtime_error>(
+                [&] { writeBag(file, {}, [](rosbag::Bag&) { throw std::runtime_error("no"); }); }),
             "no");
   EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(file).parent_path()));
 }

@@ -27,7 +27,7 @@ using sightline_ros::scansOf;
 
 const std::string kHeader = "time,sensor,azimuth,elevation,sigma_azimuth,sigma_elevation";
 
-CsvTable tableOf(const std::string& text) {
+CsvTable csvOf(const std::string& text) {
   std::istringstream stream(text);
   return CsvTable(stream, "in.csv",
                   {"time", "sensor", "azimuth", "elevation", "sigma_azimuth", "sigma_elevation"}, {"scan"});
@@ -35,7 +35,7 @@ CsvTable tableOf(const std::string& text) {
 
 std::string refusal(const std::string& text, double offset = 0.0) {
   try {
-    scansOf(tableOf(text), "platform_enu", offset);
+    scansOf(csvOf(text), "platform_enu", offset);
   } catch (const CsvError& error) {
     return error.what();
   }
@@ -43,11 +43,11 @@ std::string refusal(const std::string& text, double offset = 0.0) {
 }
 
 TEST(CsvRecordings, RowsOfOneScanAndSensorAreOneExposure) {
-  const auto scans = scansOf(tableOf(kHeader + ",scan\n"
-                                               "10.5,b,0.1,0.2,0.001,0.002,7\n"
-                                               "10.5,a,0.3,0.4,0.001,0.002,7\n"
-                                               "10.5,b,-0.1,0.2,0.001,0.002,7\n"
-                                               "10.6,b,0.1,0.2,0.001,0.002,8\n"),
+  const auto scans = scansOf(csvOf(kHeader + ",scan\n"
+                                             "10.5,b,0.1,0.2,0.001,0.002,7\n"
+                                             "10.5,a,0.3,0.4,0.001,0.002,7\n"
+                                             "10.5,b,-0.1,0.2,0.001,0.002,7\n"
+                                             "10.6,b,0.1,0.2,0.001,0.002,8\n"),
                              "my_frame", 0.0);
   ASSERT_EQ(scans.size(), 3u);
   EXPECT_EQ(scans[0].sensor, "a");
@@ -64,23 +64,22 @@ TEST(CsvRecordings, RowsOfOneScanAndSensorAreOneExposure) {
 
 TEST(CsvRecordings, WithoutScanColumnEachRowIsAScanInOrderOfTime) {
   const auto scans =
-      scansOf(tableOf(kHeader + "\n2,a,0,0,1e-3,1e-3\n1,a,0,0,1e-3,1e-3\n1,a,0.5,0,1e-3,1e-3\n"), "f", 0.0);
+      scansOf(csvOf(kHeader + "\n2,a,0,0,1e-3,1e-3\n1,a,0,0,1e-3,1e-3\n1,a,0.5,0,1e-3,1e-3\n"), "f", 0.0);
   ASSERT_EQ(scans.size(), 3u);
   EXPECT_EQ(scans[0].header.stamp, ros::Time(1.0));
   EXPECT_EQ(scans[2].header.stamp, ros::Time(2.0));
 }
 
 TEST(CsvRecordings, AnglesThatAreRoundedBeyondTheEndOfTheirRangeAreTaken) {
-  const auto scans =
-      scansOf(tableOf(kHeader +
-                      "\n1,a,6.2831855,0,1e-3,1e-3\n2,a,0,1.570796327,1e-3,1e-3\n3,a,0,-1.5708,1e-3,1e-3\n"),
-              "f", 0.0);
+  const auto scans = scansOf(
+      csvOf(kHeader + "\n1,a,6.2831855,0,1e-3,1e-3\n2,a,0,1.570796327,1e-3,1e-3\n3,a,0,-1.5708,1e-3,1e-3\n"),
+      "f", 0.0);
   EXPECT_EQ(scans.size(), 3u);
 }
 
 TEST(CsvRecordings, TimesAreExactToTheNanosecond) {
   const auto scans =
-      scansOf(tableOf(kHeader + "\n1700000000.123456789,a,0,0,1e-3,1e-3\n1e1,a,0,0,1e-3,1e-3\n"), "f", 0.0);
+      scansOf(csvOf(kHeader + "\n1700000000.123456789,a,0,0,1e-3,1e-3\n1e1,a,0,0,1e-3,1e-3\n"), "f", 0.0);
   EXPECT_EQ(scans[0].header.stamp, ros::Time(10, 0));
   EXPECT_EQ(scans[1].header.stamp, ros::Time(1700000000, 123456789));
 }
@@ -92,7 +91,7 @@ TEST(CsvRecordings, TimeZeroIsRefusedWithTheRemedyThatThenHelps) {
             "recording, with "
             "--offset 100 for instance");
   EXPECT_NE(refusal(kHeader + "\n-5,a,0,0,1e-3,1e-3\n"), "");
-  EXPECT_EQ(scansOf(tableOf(text), "f", 100.0).at(0).header.stamp, ros::Time(100.0));
+  EXPECT_EQ(scansOf(csvOf(text), "f", 100.0).at(0).header.stamp, ros::Time(100.0));
 }
 
 TEST(CsvRecordings, ErrorsNameTheLineTheColumnAndTheValue) {
@@ -125,8 +124,8 @@ TEST(CsvRecordings, HeaderIsChecked) {
 
 TEST(CsvRecordings, FilesFromOtherSystemsAreRead) {
   const auto scans =
-      scansOf(tableOf("\xEF\xBB\xBFsensor, time "
-                      ",azimuth,elevation,sigma_elevation,sigma_azimuth\r\na,1,0.1,0,2e-3,1e-3\r\n"),
+      scansOf(csvOf("\xEF\xBB\xBFsensor, time "
+                    ",azimuth,elevation,sigma_elevation,sigma_azimuth\r\na,1,0.1,0,2e-3,1e-3\r\n"),
               "f", 0.0);
   ASSERT_EQ(scans.size(), 1u);
   EXPECT_DOUBLE_EQ(scans[0].sightings[0].covariance[0], 1e-6);

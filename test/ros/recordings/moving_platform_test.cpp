@@ -35,20 +35,20 @@ using sightline_ros::toCore;
 using sightline_ros::toRos;
 using sightline_ros::transformMessage;
 
-constexpr double kDuration = 20.0;  // [s]
-constexpr double kSettled = 3.0;    // errors count from then on [s]
-constexpr double kTfRate = 100.0;   // of the platform's transforms, as truth_publisher sends them [Hz]
-constexpr double kReach = 0.1;      // a track further from a target is not its own [rad]
+constexpr double kRideDuration = 20.0;  // [s]
+constexpr double kSettled = 3.0;        // errors count from then on [s]
+constexpr double kTfRate = 100.0;       // of the platform's transforms, as truth_publisher sends them [Hz]
+constexpr double kReach = 0.1;          // a track further from a target is not its own [rad]
 constexpr std::uint64_t kRuns = 12;
 const char* const kSensor = "tracking_1";
-const core::Time kStart{std::chrono::seconds(1000)};
+const core::Time kRideStart{std::chrono::seconds(1000)};
 
 core::Scenario turning(std::uint64_t seed) {
   const std::string config = sightline::test::sourceDirectory() + "/config/";
   core::Scenario scenario = sightline_ros::loadScenario(
       ParamReader::fromYamlFiles({config + "sensors/six_sensors.yaml", config + "scenarios/fast_turn.yaml"}));
   scenario.seed = seed;
-  scenario.duration = kDuration;
+  scenario.duration = kRideDuration;
   return scenario;
 }
 
@@ -68,7 +68,7 @@ class Transforms {
  public:
   Transforms(const core::Scenario& scenario, double delay) : scenario_(scenario), delay_(delay) {
     for (const core::SimulatedSensor& sensor : scenario_.sensors) {
-      buffer.setTransform(transformMessage(toRos(kStart), "platform", sensor.name, sensor.mount_position,
+      buffer.setTransform(transformMessage(toRos(kRideStart), "platform", sensor.name, sensor.mount_position,
                                            core::R_platform_sensor(sensor)),
                           "test", true);
     }
@@ -78,7 +78,7 @@ class Transforms {
     for (; next_stamp_ < time + std::chrono::milliseconds(20);
          next_stamp_ += core::durationOf(1.0 / kTfRate)) {
       const core::PlatformState platform =
-          core::platformAt(scenario_.platform, core::seconds(next_stamp_ - kStart) - delay_);
+          core::platformAt(scenario_.platform, core::seconds(next_stamp_ - kRideStart) - delay_);
       set("platform", platform.position, platform.R_world_platform);
       set("platform_enu", platform.position, Eigen::Matrix3d::Identity());
     }
@@ -93,7 +93,7 @@ class Transforms {
 
   core::Scenario scenario_;
   double delay_;
-  core::Time next_stamp_ = kStart - std::chrono::seconds(1);
+  core::Time next_stamp_ = kRideStart - std::chrono::seconds(1);
 };
 
 /// What the tracks of one flight are worth.
@@ -110,7 +110,7 @@ struct Flight {
 };
 
 void judge(const core::Scenario& scenario, const sightline::TrackArray& tracks, Flight& flight) {
-  const double time = core::seconds(toCore(tracks.header.stamp) - kStart);
+  const double time = core::seconds(toCore(tracks.header.stamp) - kRideStart);
   if (time < kSettled) return;
   for (const core::Target& target : scenario.targets) {
     const core::AngularState truth = *core::truthAt(scenario, target, time);
@@ -165,7 +165,7 @@ Flight fly(const core::Scenario& scenario, const Faults& faults = {}, const Know
   Flight flight;
   Transforms transforms(scenario, faults.tf_delay);
   LocalTrackerComponent tracker(ParamReader(parametersOf(known), "/test"), "tracker", transforms.buffer);
-  core::SensorSimulator sensor(scenario, kSensor, kStart);
+  core::SensorSimulator sensor(scenario, kSensor, kRideStart);
   core::RandomStream jitter(core::seedOf(scenario.seed, "jitter"));
   while (auto simulated = sensor.next()) {
     for (const core::Sighting& sighting : simulated->scan.sightings) {

@@ -19,6 +19,7 @@
 #include "sightline/ros/params/param_reader.h"
 #include "sightline/ros/recordings/replay.h"
 
+#include "support/bytes.h"
 #include "support/scratch_folder.h"
 #include "support/seen_stations.h"
 
@@ -26,13 +27,14 @@ namespace {
 
 namespace core = sightline::core;
 using sightline::PositionTrackArray;
+using sightline::test::bytesOf;
 using sightline::test::SeenStation;
 using sightline::test::targetAt;
 using sightline_ros::replay;
 using sightline_ros::ReplaySettings;
 using sightline_ros::ReplaySummary;
 
-constexpr double kStart = 100.0, kDuration = 6.0;  // [s]
+constexpr double kFieldStart = 100.0, kFieldDuration = 6.0;  // [s]
 
 /// Two stations, and a third sensor a centimetre beside the first where `with_third`, which the target's
 /// distance makes less than their sigma; scans come with a latency of up to `latency` [s].
@@ -44,11 +46,11 @@ void record(const std::string& file, bool with_third = false, double latency = 0
   rosbag::Bag bag(file, rosbag::bagmode::Write);
   tf2_msgs::TFMessage frames;
   for (const SeenStation& station : stations)
-    frames.transforms.push_back(station.transform(ros::Time(kStart), "world"));
-  bag.write("/tf_static", ros::Time(kStart), frames);
-  for (int i = 0; 0.04 * i < kDuration; ++i) {
+    frames.transforms.push_back(station.transform(ros::Time(kFieldStart), "world"));
+  bag.write("/tf_static", ros::Time(kFieldStart), frames);
+  for (int i = 0; 0.04 * i < kFieldDuration; ++i) {
     for (SeenStation& station : stations) {
-      const ros::Time stamp(kStart + 0.04 * i);
+      const ros::Time stamp(kFieldStart + 0.04 * i);
       bag.write("/" + station.name(), stamp + ros::Duration(later(random)),
                 station.scan(stamp, targetAt(0.04 * i)));
     }
@@ -64,13 +66,6 @@ std::vector<Message> messagesOn(const std::string& topic, const std::string& fil
   for (const rosbag::MessageInstance& instance : view)
     messages.push_back(*instance.template instantiate<Message>());
   return messages;
-}
-
-/// A NaN is not equal to itself, but its bytes are.
-template <typename Message>
-std::string bytesOf(const Message& message) {
-  const ros::SerializedMessage serialized = ros::serialization::serializeMessage(message);
-  return {reinterpret_cast<const char*>(serialized.buf.get()), serialized.num_bytes};
 }
 
 TEST(PositionReplay, SensorsThatStandApartGivePositionsAndNoFusedDirections) {
@@ -95,7 +90,7 @@ TEST(PositionReplay, SensorsThatStandApartGivePositionsAndNoFusedDirections) {
   double worst = 0.0;
   int count = 0;
   for (const PositionTrackArray& array : arrays) {
-    const double t = array.header.stamp.toSec() - kStart;
+    const double t = array.header.stamp.toSec() - kFieldStart;
     if (t < 2.0) continue;
     ASSERT_EQ(array.tracks.size(), 1u) << t;
     EXPECT_EQ(array.tracks[0].id, arrays.back().tracks[0].id);
@@ -127,7 +122,7 @@ TEST(PositionReplay, SensorsAtOnePlaceAreOneStation) {
   ASSERT_EQ(arrays.back().tracks.size(), 1u);
   EXPECT_EQ(arrays.back().tracks[0].sources.size(), 2u);
   EXPECT_LT((sightline_ros::toCore(arrays.back().tracks[0]).position -
-             targetAt(arrays.back().header.stamp.toSec() - kStart))
+             targetAt(arrays.back().header.stamp.toSec() - kFieldStart))
                 .norm(),
             0.3);
   const auto of_station =

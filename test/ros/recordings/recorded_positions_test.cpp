@@ -12,17 +12,15 @@
 #include "sightline/ros/recordings/bag_evaluation.h"
 
 #include "support/scratch_folder.h"
+#include "support/times.h"
 
 namespace {
 
 namespace core = sightline::core;
+using sightline::test::at;
 using sightline_ros::BagEvaluationSettings;
 using sightline_ros::evaluateBag;
 using sightline_ros::positionTruthFromCsv;
-
-core::Time at(double seconds) {
-  return core::Time(core::durationOf(seconds));
-}
 
 const char* const kTruth = "time,east_m,north_m,up_m\n10.0,0,0,5\n10.2,2,0,5\n10.4,4,0,5\n10.6,6,0,5\n";
 

@@ -9,28 +9,19 @@
 
 #include "sightline/ros/messages/conversions.h"
 
+#include "support/complaint.h"
 #include "support/scratch_folder.h"
+#include "support/times.h"
 
 using namespace sightline_ros;
+using sightline::test::at;
+using sightline::test::complaintOf;
 namespace core = sightline::core;
 
 namespace {
 
 constexpr core::Channels kBoth = core::Channels::azimuth_and_elevation;
 constexpr double kGap = 1.0;  // [s]
-
-core::Time at(double seconds) {
-  return toCore(ros::Time(seconds));
-}
-
-std::string complaintOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
-}
 
 class RecordedTruthTest : public testing::Test {
  protected:
@@ -87,7 +78,8 @@ TEST_F(RecordedTruthTest, SensorsMayHaveTruthsOfTheirOwn) {
 
 TEST_F(RecordedTruthTest, WithoutElevationsOnlyAzimuthsAreCompared) {
   const std::string text = "time,azimuth\n100,0.1\n";
-  EXPECT_NE(complaintOf([&] { fromCsv(text); }).find("--azimuth-only"), std::string::npos);
+  EXPECT_NE(complaintOf<std::runtime_error>([&] { fromCsv(text); }).find("--azimuth-only"),
+            std::string::npos);
   EXPECT_EQ(fromCsv(text, core::Channels::azimuth_only).motions.at("").size(), 1u);
 }
 
@@ -97,9 +89,12 @@ TEST_F(RecordedTruthTest, AnglesThatAreRoundedBeyondTheEndOfTheirRangeAreTaken) 
 }
 
 TEST_F(RecordedTruthTest, DegreesAndEmptyFilesAreRefused) {
-  EXPECT_NE(complaintOf([&] { fromCsv("time,azimuth,elevation\n100,45,0\n"); }).find("degrees?"),
+  EXPECT_NE(complaintOf<std::runtime_error>([&] {
+              fromCsv("time,azimuth,elevation\n100,45,0\n");
+            }).find("degrees?"),
             std::string::npos);
-  EXPECT_NE(complaintOf([&] { fromCsv("time,azimuth,elevation\n"); }).find("no sample"), std::string::npos);
+  EXPECT_NE(complaintOf<std::runtime_error>([&] { fromCsv("time,azimuth,elevation\n"); }).find("no sample"),
+            std::string::npos);
 }
 
 TEST_F(RecordedTruthTest, OfATopicHasItsFrameAndMotions) {
@@ -112,7 +107,8 @@ TEST_F(RecordedTruthTest, OfATopicHasItsFrameAndMotions) {
 
 TEST_F(RecordedTruthTest, WhatIsNeitherATopicNorAFileIsRefusedWithTheTopics) {
   const rosbag::Bag bag(makeBag(), rosbag::bagmode::Read);
-  const std::string complaint = complaintOf([&] { readTruth("/true", bag, kBoth, kGap); });
+  const std::string complaint =
+      complaintOf<std::runtime_error>([&] { readTruth("/true", bag, kBoth, kGap); });
   EXPECT_EQ(complaint.find("/true: "), 0u) << complaint;
   EXPECT_NE(complaint.find("/truth"), std::string::npos) << complaint;
 }

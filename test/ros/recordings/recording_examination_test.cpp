@@ -19,7 +19,7 @@ using namespace sightline_ros;
 
 namespace {
 
-constexpr double kStart = 1000.0;  // [s]
+constexpr double kExaminedStart = 1000.0;  // [s]
 
 class RecordingExaminationTest : public testing::Test {
  protected:
@@ -32,7 +32,7 @@ class RecordingExaminationTest : public testing::Test {
   void look(const std::string& sensor, double latency = 0.01, double azimuth_offset = 0.0) {
     SeenTarget target(static_cast<unsigned>(sensor.back()));
     for (int k = 0; k < 300; ++k) {
-      const double time = kStart + 0.033 * k;
+      const double time = kExaminedStart + 0.033 * k;
       auto angles = target.at(time);
       angles.first += azimuth_offset;
       scans_.push_back({scanOf(sensor, time, {angles}), time + latency});
@@ -88,7 +88,7 @@ TEST_F(RecordingExaminationTest, TransformsAreThoseOfTheStampsHoweverLongTheReco
   for (int k = -1; k < 300; ++k) {
     tf2_msgs::TFMessage message;
     message.transforms.resize(1);
-    message.transforms[0].header.stamp = ros::Time(kStart + k);
+    message.transforms[0].header.stamp = ros::Time(kExaminedStart + k);
     message.transforms[0].header.frame_id = "platform_enu";
     message.transforms[0].child_frame_id = "mast";
     message.transforms[0].transform.rotation.w = 1.0;
@@ -131,7 +131,7 @@ TEST(InputsOfAReplay, AVarianceGivenForTheSigmaIsSaid) {
   std::vector<sightline::SightingArray> scans;
   for (int i = 0; i < 60; ++i) {
     const std::pair<double, double> angles{0.1 + 0.002 * i + noise(random), 0.3 + noise(random)};
-    scans.push_back(scanOf("cam", kStart + 0.1 * i, {angles}, 1e-6));
+    scans.push_back(scanOf("cam", kExaminedStart + 0.1 * i, {angles}, 1e-6));
   }
   const std::string said = saidOfReplay(scans);
   EXPECT_NE(
@@ -145,7 +145,8 @@ TEST(InputsOfAReplay, AVarianceGivenForTheSigmaIsSaid) {
 
 TEST(InputsOfAReplay, StampsThatScansShareAreSaid) {
   std::vector<sightline::SightingArray> scans;
-  for (int i = 0; i < 500; ++i) scans.push_back(scanOf("cam", kStart + i / 50, {{0.1 + 0.0004 * i, 0.3}}));
+  for (int i = 0; i < 500; ++i)
+    scans.push_back(scanOf("cam", kExaminedStart + i / 50, {{0.1 + 0.0004 * i, 0.3}}));
   const std::string said = saidOfReplay(scans);
   EXPECT_NE(said.find("490 of 500 scans repeat the stamp of the one before (50 scans share each stamp)"),
             std::string::npos)

@@ -24,12 +24,6 @@ std::pair<int, std::string> run(const std::string& command) {
   return outcomeOf(std::string(SIGHTLINE_TOOLS_DIR) + "/" + command);
 }
 
-std::string bytesOf(const std::string& file) {
-  std::ostringstream bytes;
-  bytes << std::ifstream(file, std::ios::binary).rdbuf();
-  return bytes.str();
-}
-
 std::ptrdiff_t linesIn(const std::string& text) {
   return std::count(text.begin(), text.end(), '\n');
 }
@@ -83,14 +77,14 @@ TEST_F(RecordingTools, DoNotOverwriteTheirInput) {
   };
   const std::set<std::string> before = files();
   for (const auto& [command, input] : cases) {
-    const std::string bytes = bytesOf(input);
+    const std::string bytes = textOfFile(input);
     const auto [code, said] = run(command);
     EXPECT_EQ(code, 1) << command << "\n" << said;
     EXPECT_EQ(linesIn(said), 1) << said;
     EXPECT_NE(said.find(input + " cannot be read and written at once: name another output"),
               std::string::npos)
         << said;
-    EXPECT_TRUE(bytesOf(input) == bytes) << command;
+    EXPECT_TRUE(textOfFile(input) == bytes) << command;
   }
   EXPECT_EQ(files(), before);
 }

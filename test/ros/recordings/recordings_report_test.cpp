@@ -34,12 +34,6 @@ void writeRecording(const ScratchFolder& folder, double jump) {
   }
 }
 
-std::string textOf(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
 /// The line of the report's table about the recording.
 std::string reportedLine(const ScratchFolder& folder) {
   const std::string command = "/usr/bin/python3 " + sightline::test::sourceDirectory() +
@@ -47,7 +41,7 @@ std::string reportedLine(const ScratchFolder& folder) {
                               " --tools " SIGHTLINE_TOOLS_DIR " --out " + folder.file("out") +
                               " --pictures " + folder.file("pictures") + " > /dev/null";
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
-  std::istringstream report(textOf(folder.file("out") + "/report.md"));
+  std::istringstream report(textOfFile(folder.file("out") + "/report.md"));
   for (std::string line; std::getline(report, line);) {
     if (line.find("| crossing_run1 | camera |") == 0) return line;
   }

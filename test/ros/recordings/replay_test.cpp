@@ -25,10 +25,12 @@
 #include "sightline/ros/params/param_reader.h"
 #include "sightline/ros/recordings/bags.h"
 
+#include "support/bytes.h"
 #include "support/scratch_folder.h"
 
 namespace {
 
+using sightline::test::bytesOf;
 using sightline_ros::ParamError;
 using sightline_ros::replay;
 using sightline_ros::ReplaySettings;
@@ -102,15 +104,6 @@ void record(const std::string& file, double most, unsigned seed) {
   for (const auto& message : turningFrames()) {
     bag.write("/tf", message.transforms[0].header.stamp + ros::Duration(latency(random)), message);
   }
-}
-
-template <typename Message>
-std::string bytesOf(const Message& message) {
-  std::string bytes(ros::serialization::serializationLength(message), '\0');
-  ros::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(&bytes[0]),
-                                     static_cast<std::uint32_t>(bytes.size()));
-  ros::serialization::serialize(stream, message);
-  return bytes;
 }
 
 /// Topic and bytes of every track message, in the order of the bag.

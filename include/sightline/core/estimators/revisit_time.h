@@ -2,6 +2,9 @@
 
 namespace sightline::core {
 
+/// Sightings closer than this [s] are of one instant: they determine no rate.
+constexpr double kSameTime = 1e-6;
+
 /// The usual time between the sightings of one target, and the unit of time in which the motion of a target
 /// that is seen at such a pace is described (S-91): one second, or three intervals where these are longer.
 /// Settings in that unit serve a camera and a telescope that looks every ten minutes. Plain state.

@@ -2,11 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <vector>
 
 namespace sightline::core {
+
+/// A figure that nothing tells.
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// How soon and how completely one tracker follows the targets: the delay from a target's appearance to its
 /// first established track, and the share of an appearance that one track covers. An appearance is a target's

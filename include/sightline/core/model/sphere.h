@@ -10,6 +10,9 @@ namespace sightline::core {
 inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kDegree = kPi / 180.0;  ///< [rad]
 
+/// A direction whose standard deviation [rad] is larger may be anywhere on the sphere.
+inline constexpr double kLargestDirectionSigma = kPi;
+
 /// An angle brought into (-pi, pi] [rad]. Not finite in, NaN out.
 double wrapAngle(double angle);
 

@@ -26,9 +26,6 @@ std::string firstRejection(const sightline::AssociationArray& associations);
 /// of the last sighting, tracks by status. Times are the clock's, handed in.
 class LocalTrackerHealth {
  public:
-  /// Reads `silence` of this level [s].
-  static double silenceFrom(const ParamReader& reader);
-
   /// `silence`: without a scan for so long the tracker is reported as starved [s]. `limits`: what the tracker
   /// bears.
   explicit LocalTrackerHealth(double silence, InputLimits limits = {}) : silence_(silence), limits_(limits) {}

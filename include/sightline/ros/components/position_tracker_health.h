@@ -23,9 +23,6 @@ namespace sightline_ros {
 /// refused. Times are the clock's, handed in.
 class PositionTrackerHealth {
  public:
-  /// Reads `silence` of this level [s].
-  static double silenceFrom(const ParamReader& reader);
-
   /// `topics` of tracks that are expected to speak; without a message for `silence` [s] one is reported.
   PositionTrackerHealth(const std::vector<std::string>& topics, double silence);
 

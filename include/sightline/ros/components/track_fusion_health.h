@@ -23,9 +23,6 @@ namespace sightline_ros {
 /// was refused or left out and why. Times are the clock's, handed in.
 class TrackFusionHealth {
  public:
-  /// Reads `silence` of this level [s].
-  static double silenceFrom(const ParamReader& reader);
-
   /// `topics` are those that are expected to speak; without a message for `silence` [s] one is reported as
   /// silent.
   TrackFusionHealth(const std::vector<std::string>& topics, double silence);

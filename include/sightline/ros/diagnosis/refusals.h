@@ -14,6 +14,9 @@
 
 namespace sightline_ros {
 
+/// A warning of one kind is given at most once in this time.
+constexpr double kSecondsBetweenWarnings = 5.0;
+
 /// Counts refusals by kind; gives a warning of each kind at most once in five seconds.
 class Refusals {
  public:

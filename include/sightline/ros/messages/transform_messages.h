@@ -35,4 +35,10 @@ inline geometry_msgs::TransformStamped transformMessage(const ros::Time& stamp, 
   return message;
 }
 
+/// The rotation of a transform, from child to parent; its quaternion need not have unit length.
+inline Eigen::Matrix3d rotationOf(const geometry_msgs::TransformStamped& transform) {
+  const auto& q = transform.transform.rotation;
+  return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+}
+
 }  // namespace sightline_ros

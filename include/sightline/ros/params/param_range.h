@@ -5,6 +5,9 @@
 
 namespace sightline_ros {
 
+/// Of a count without a limit.
+constexpr int kMany = std::numeric_limits<int>::max();
+
 /// The numbers that a parameter may take. Infinite ends are always open.
 struct Range {
   double low = -std::numeric_limits<double>::infinity();
