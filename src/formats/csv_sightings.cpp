@@ -122,8 +122,7 @@ class CsvReader {
     if (isoTime(text("time"))) return "iso";
     const double size = std::abs(number("time", "s"));
     if (size <= kMostSeconds) return "s";
-    const std::string unit = size < kMostMillis ? "ms" : size < kMostMicros ? "us" : "ns";
-    return unit;
+    return size < kMostMillis ? "ms" : size < kMostMicros ? "us" : "ns";
   }
 
   void readRow() {

@@ -123,7 +123,8 @@ std::optional<core::Time> stampOf(int year, int month, int day, int hour, int mi
     return std::nullopt;
   if (hour < 0 || hour > 23 || minute < 0 || minute > 59 || !(second >= 0.0 && second < 61.0))
     return std::nullopt;
-  const std::int64_t whole = daysTo(year, month, day) * kDay + hour * 3600 + minute * 60;
+  const std::int64_t whole =
+      daysTo(year, month, day) * kDay + hour * std::int64_t{3600} + minute * std::int64_t{60};
   return core::timeOf(whole * kSecond + std::llround(second * 1e9));
 }
 
@@ -169,7 +170,8 @@ std::optional<core::Time> decimalTime(std::string_view text, int exponent) {
     if (!number || std::abs(*number) * std::pow(10.0, exponent) > 9e9) return std::nullopt;
     return core::timeOf(std::llround(*number * std::pow(10.0, 9 + exponent)));
   }
-  const std::size_t digits = static_cast<std::size_t>(9 + exponent);  // of the fraction that are kept
+  const int kept = 9 + exponent;  // digits of the fraction
+  const auto digits = static_cast<std::size_t>(kept);
   std::string fraction = match[3].str().substr(0, digits);
   fraction.resize(digits, '0');
   const std::string all = match[2].str() + fraction;
@@ -187,7 +189,7 @@ std::optional<core::Time> julianTime(std::string_view text) {
     return std::nullopt;
   const std::int64_t half_days =
       2 * std::stoll(match[1].str()) - 4881175;  // since 1970-01-01T00 (JD 2440587.5)
-  if (std::abs(half_days) > 2 * 100000) return std::nullopt;
+  if (std::abs(half_days) > 200000) return std::nullopt;
   const double fraction = match[2].length() > 1 ? std::stod("0" + match[2].str()) : 0.0;
   return core::timeOf(half_days * (kDay / 2) * kSecond +
                       std::llround(fraction * static_cast<double>(kDay * kSecond)));

@@ -58,11 +58,13 @@ class MotReader {
       }
       last = std::max(last, readBox(line, *numbers));
     }
-    for (double frame = 1.0; frame <= last; frame += 1.0) builder_.addEmpty(0, timeOf(frame), sensor_);
+    const auto frames = static_cast<std::int64_t>(last);
+    for (std::int64_t frame = 1; frame <= frames; ++frame)
+      builder_.addEmpty(0, timeOf(static_cast<double>(frame)), sensor_);
     builder_.remark(
         "the middles of the boxes, the first pixel being 1; frame 1 is at time 0 plus --offset; frames up "
         "to " +
-        std::to_string(static_cast<long>(last)) + " without a box saw nothing");
+        std::to_string(frames) + " without a box saw nothing");
     return builder_.finish();
   }
 

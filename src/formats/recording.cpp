@@ -35,7 +35,7 @@ RecordingBuilder::RecordingBuilder(std::string format, const TextFile& file, con
 }
 
 std::string RecordingBuilder::sensorOr(const std::string& name, std::size_t line) {
-  const std::string own(trimmed(name));
+  std::string own(trimmed(name));
   if (!own.empty()) {
     if (!options_.sensor.empty() && own != options_.sensor)
       count("the file names its sensors; --sensor is for those without a name and is not used", line);

@@ -1,5 +1,7 @@
 #include "sightline/report/value_text.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 using namespace sightline::report;
@@ -23,6 +25,16 @@ TEST(ValueText, ALongListNamesTheFirstAndCountsTheRest) {
 TEST(ValueText, ANumberIsReadOnlyFromAWholeFiniteText) {
   EXPECT_EQ(numberFrom("-1.5e3"), -1500.0);
   for (const char* text : {"", "1.5 s", "1,5", "nan", "inf", "never"}) EXPECT_FALSE(numberFrom(text)) << text;
+}
+
+TEST(OrEmpty, ATenDigitFigureOrNothing) {
+  EXPECT_EQ(orEmpty(1.0 / 3.0), "0.3333333333");
+  EXPECT_EQ(orEmpty(std::numeric_limits<double>::quiet_NaN()), "");
+}
+
+TEST(IsAmong, AWholeNameOnly) {
+  EXPECT_TRUE(isAmong({"time", "sigma"}, "sigma"));
+  EXPECT_FALSE(isAmong({"time", "sigma"}, "sig"));
 }
 
 }  // namespace

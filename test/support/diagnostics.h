@@ -7,7 +7,8 @@
 namespace sightline::test {
 
 /// The value under a key of a status, or "(absent)".
-inline std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& key) {
+inline std::string valueOf(const diagnostic_updater::DiagnosticStatusWrapper& status,
+                           const std::string& key) {
   for (const auto& value : status.values) {
     if (value.key == key) return value.value;
   }

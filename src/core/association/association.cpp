@@ -18,7 +18,6 @@ namespace {
 
 constexpr double kTwoPi = 6.28318530717958648;
 constexpr double kLeastMissed = 1e-12;       // probability: nothing is for certain
-constexpr double kLeastVisibility = 0.01;    // of what has been seen all the same
 constexpr double kLeastCosine = 0.1;         // of an elevation in a chart
 constexpr double kLeastGainOfBranch = -5.0;  // ln of how much less likely than a miss a second look may be
 constexpr double kChanges = 0.1;             // of young targets, those that change their rates at each look

@@ -371,25 +371,10 @@ std::vector<Hypothesis> NogaConsistentEstimator::hypothesesAt(Time time) const {
   return hypothesesOf(chain_.predicted(h / revisit_.unit(h)), motionsOf(expected(h)).data());
 }
 
-/// Position and rates by each model, both channels together.
+/// Position and rates by each model.
 std::array<Motion<4>, kMaxModes> NogaConsistentEstimator::motionsOf(const Beliefs& beliefs) const {
   std::array<Motion<4>, kMaxModes> motions;
-  for (int mode = 0; mode < modes(); ++mode) {
-    const Belief& belief = beliefs[mode];
-    Motion<4>& motion = motions[mode];
-    for (Eigen::Index i = 0; i < 2; ++i) {
-      for (int channel = 0; channel < 2; ++channel) {
-        motion.mean(2 * i + channel) = belief.mean[channel](i);
-        for (Eigen::Index j = 0; j < 2; ++j) {
-          motion.covariance(2 * i + channel, 2 * j + channel) = belief.covariance[channel](i, j);
-        }
-      }
-      for (Eigen::Index j = 0; j < 2; ++j) {
-        motion.covariance(2 * i, 2 * j + 1) = belief.cross(i, j);
-        motion.covariance(2 * j + 1, 2 * i) = belief.cross(i, j);
-      }
-    }
-  }
+  for (int mode = 0; mode < modes(); ++mode) motions[mode] = motionOf(beliefs[mode]);
   return motions;
 }
 
@@ -398,40 +383,10 @@ AngularState NogaConsistentEstimator::moments(const ModeArray& weights, const Be
   return mixture(weights, motionsOf(beliefs).data()).angularState();
 }
 
-/// Position, rate and acceleration turn exactly in the mean and by the derivative in the covariance; kappa is
-/// a property of the motion and stays.
 void NogaConsistentEstimator::rotate(const Eigen::Matrix3d& R_new_old) {
   if (!time_) return;
-  const auto asMotion = [](const Vector8d& x) {
-    Motion<6> motion;
-    motion.mean << x(0), x(4), x(1), x(5), x(2), x(6);
-    return motion;
-  };
-  const auto turned = [&](const Vector8d& x) {
-    const Eigen::Matrix<double, 6, 1> y = rotateMotion(asMotion(x), R_new_old).mean;
-    return (Vector8d() << y(0), y(2), y(4), x(3), y(1), y(3), y(5), x(7)).finished();
-  };
   sighting_noise_.transform(rotationJacobian({beliefs_[0].mean[0](0), beliefs_[0].mean[1](0)}, R_new_old));
-  for (int mode = 0; mode < modes(); ++mode) {
-    Belief& belief = beliefs_[mode];
-    Vector8d x;
-    Matrix8d P, J;
-    x << belief.mean[0], belief.mean[1];
-    P << belief.covariance[0], belief.cross, belief.cross.transpose(), belief.covariance[1];
-    const Vector8d centre = turned(x);
-    for (int i = 0; i < 8; ++i) {
-      const double small = 1e-6;
-      Vector8d difference = turned(x + small * Vector8d::Unit(i)) - turned(x - small * Vector8d::Unit(i));
-      difference(0) = wrapAngle(difference(0));
-      J.col(i) = difference / (2.0 * small);
-    }
-    P = symmetric(J * P * J.transpose());
-    belief.mean[0] = centre.head<4>();
-    belief.mean[1] = centre.tail<4>();
-    belief.covariance[0] = P.topLeftCorner<4, 4>();
-    belief.covariance[1] = P.bottomRightCorner<4, 4>();
-    belief.cross = P.topRightCorner<4, 4>();
-  }
+  for (int mode = 0; mode < modes(); ++mode) turn(beliefs_[mode], R_new_old);
   coupled_ = coupled_ || beliefs_[0].cross.cwiseAbs().maxCoeff() > 0.0;
 }
 

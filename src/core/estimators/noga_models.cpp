@@ -102,6 +102,50 @@ void inUnits(ResponseBelief& belief, double unit) {
   belief.cross = scale.asDiagonal() * belief.cross * scale.asDiagonal();
 }
 
+Motion<4> motionOf(const ResponseBelief& belief) {
+  Motion<4> motion;
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    for (int channel = 0; channel < 2; ++channel) {
+      motion.mean(2 * i + channel) = belief.mean[channel](i);
+      for (Eigen::Index j = 0; j < 2; ++j)
+        motion.covariance(2 * i + channel, 2 * j + channel) = belief.covariance[channel](i, j);
+    }
+    for (Eigen::Index j = 0; j < 2; ++j) {
+      motion.covariance(2 * i, 2 * j + 1) = belief.cross(i, j);
+      motion.covariance(2 * j + 1, 2 * i) = belief.cross(i, j);
+    }
+  }
+  return motion;
+}
+
+void turn(ResponseBelief& belief, const Eigen::Matrix3d& R_new_old) {
+  using Vector8d = Eigen::Matrix<double, 8, 1>;
+  using Matrix8d = Eigen::Matrix<double, 8, 8>;
+  const auto turned = [&](const Vector8d& x) {
+    Motion<6> motion;
+    motion.mean << x(0), x(4), x(1), x(5), x(2), x(6);
+    const Eigen::Matrix<double, 6, 1> y = rotateMotion(motion, R_new_old).mean;
+    return (Vector8d() << y(0), y(2), y(4), x(3), y(1), y(3), y(5), x(7)).finished();
+  };
+  Vector8d x;
+  Matrix8d P, J;
+  x << belief.mean[0], belief.mean[1];
+  P << belief.covariance[0], belief.cross, belief.cross.transpose(), belief.covariance[1];
+  const Vector8d centre = turned(x);
+  for (int i = 0; i < 8; ++i) {
+    const double small = 1e-6;
+    Vector8d difference = turned(x + small * Vector8d::Unit(i)) - turned(x - small * Vector8d::Unit(i));
+    difference(0) = wrapAngle(difference(0));
+    J.col(i) = difference / (2.0 * small);
+  }
+  P = symmetric(J * P * J.transpose());
+  belief.mean[0] = centre.head<4>();
+  belief.mean[1] = centre.tail<4>();
+  belief.covariance[0] = P.topLeftCorner<4, 4>();
+  belief.covariance[1] = P.bottomRightCorner<4, 4>();
+  belief.cross = P.topRightCorner<4, 4>();
+}
+
 void check(const ResponseModel& model) {
   if (!(model.q >= 0.0) || !(model.q_kappa >= 0.0) || !std::isfinite(model.kappa) || !(model.fade > 0.0) ||
       !(model.attraction > 0.0)) {

@@ -85,11 +85,13 @@ double reach(double log_density, const Eigen::Matrix2d& least, double trace, dou
   // The mean is as large only where a component is; in no direction is one wider than its trace. Components
   // lie between those of a grid, of which the farthest reaches at least 1 / kBetweenGrid as far.
   double reach = 0.0;
-  for (double sigma = kLeastSigma; sigma < kGrid * kMostSigma; sigma *= kGrid) {
+  double sigma = kLeastSigma;
+  while (sigma < kGrid * kMostSigma) {
     Eigen::Matrix2d S = least;
     S.diagonal().array() += offsetVariance(sigma, h);
     const double log_peak = -0.5 * std::log(determinantOf(S)) - std::log(2.0 * kPi);
     reach = std::max(reach, (S.trace() + trace) * 2.0 * std::max(log_peak - log_density, 0.0));
+    sigma *= kGrid;
   }
   return kBetweenGrid * std::sqrt(reach);
 }

@@ -17,14 +17,6 @@ constexpr std::size_t kMostScans = 4096;      // that can be processed again
 constexpr std::uint32_t kHitsOfTracking = 6;  // of a track that is none by chance
 constexpr int kStatesPerLag = 8;              // that are kept for rolling back
 
-/// The scan with its noise taken for `noise_scale` times as large.
-Scan withNoise(const Scan& scan, double noise_scale) {
-  Scan scaled = scan;
-  scaled.noise_scale *= noise_scale;
-  for (Sighting& sighting : scaled.sightings) sighting.covariance *= noise_scale;
-  return scaled;
-}
-
 /// A late scan can be put up to max_lag back, and from there a sensor's scans are processed again over the
 /// roll-back after an alarm.
 TimelineParams timelineParams(const LocalTrackerParams& params) {
@@ -395,9 +387,11 @@ std::vector<Track> LocalTracker::report() const {
   tracks.reserve(state_.tracks.size());
   for (const LiveTrack& track : state_.tracks) {
     if (track.lifecycle().isLost()) continue;
-    tracks.push_back(track.report(state_.time, params_.gate, params_.adapt_gate, params_.lifecycle));
+    Track reported = track.report(state_.time, params_.gate, params_.adapt_gate, params_.lifecycle);
+    if (isTrack(reported))
+      tracks.push_back(std::move(reported));  // else unseen, until a sighting makes it one
   }
-  return publishedTracks(std::move(tracks));
+  return tracks;
 }
 
 }  // namespace sightline::core

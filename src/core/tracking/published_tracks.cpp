@@ -1,6 +1,5 @@
 #include "sightline/core/tracking/published_tracks.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -28,13 +27,6 @@ bool isTrack(const Track& track) {
   Eigen::Matrix4d correlation = per_sigma.asDiagonal() * state.covariance * per_sigma.asDiagonal();
   correlation.diagonal().array() += kRounding;
   return Eigen::LLT<Eigen::Matrix4d>(correlation).info() == Eigen::Success;
-}
-
-std::vector<Track> publishedTracks(std::vector<Track> tracks) {
-  tracks.erase(
-      std::remove_if(tracks.begin(), tracks.end(), [](const Track& track) { return !isTrack(track); }),
-      tracks.end());
-  return tracks;
 }
 
 }  // namespace sightline::core

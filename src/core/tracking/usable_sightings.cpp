@@ -59,6 +59,13 @@ UsableSightings usableSightings(const Scan& scan, std::size_t most) {
   return usable;
 }
 
+Scan withNoise(const Scan& scan, double noise_scale) {
+  Scan scaled = scan;
+  scaled.noise_scale *= noise_scale;
+  for (Sighting& sighting : scaled.sightings) sighting.covariance *= noise_scale;
+  return scaled;
+}
+
 std::optional<Refusal> whyNotWeighable(const Scan& scan, const EstimatorParams& params) {
   const bool weighs_by_ifov = params.kind == EstimatorKind::twbls &&
                               params.twbls_form == EstimatorForm::paper &&

@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "support/covariances.h"
@@ -67,6 +68,19 @@ TEST(NogaModels, EveryDefaultModelKeepsCovariancesPositiveForwardAndBackInTime) 
       EXPECT_TRUE(belief.cross.allFinite());
     }
   }
+}
+
+TEST(NogaModels, ATurnMovesPositionAndRatesAsOfAnyMotionAndLeavesKappa) {
+  ResponseBelief belief = someBelief();
+  belief.cross(0, 1) = 2e-5;
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(0.4, Eigen::Vector3d(1.0, 2.0, -1.0).normalized()).matrix();
+  const Motion<4> expected = rotateMotion(motionOf(belief), R);
+  turn(belief, R);
+  const Motion<4> found = motionOf(belief);
+  EXPECT_TRUE(found.mean.isApprox(expected.mean, 1e-12));
+  EXPECT_TRUE(found.covariance.isApprox(expected.covariance, 1e-6));  // J by differences
+  for (int channel = 0; channel < 2; ++channel)
+    EXPECT_EQ(belief.mean[channel](3), someBelief().mean[channel](3));
 }
 
 TEST(NogaModels, ModelsThatCannotWorkAreRefused) {

@@ -79,6 +79,18 @@ TEST(FusionReport, LeftOutSupportersAreListedWithTheirReasons) {
   EXPECT_EQ(textOf(*description.left_out[0].reason), "stale: long ago");
 }
 
+TEST(FusionReport, ADistanceThatCannotBeComputedIsNotKnown) {
+  Track no_number = localTrack(4, {0.1, 0.2});
+  no_number.state.covariance(0, 1) = no_number.state.covariance(1, 0) = 1e3;  // indefinite
+  GlobalTrack track(7, at(1.0), {"a", 1}, reported(localTrack(1, {0.1, 0.2})), 0.0);
+  track.join({"b", 4}, reported(no_number));
+  track.compareSupporters(TrackerMisalignment(0.0));
+  FusedTrack fused;
+  describeFusion(track, {0, 1}, {0.5, 0.5}, "b", fused);
+  ASSERT_EQ(fused.sources.size(), 2u);
+  for (const SourceTrack& source : fused.sources) EXPECT_TRUE(std::isnan(source.distance_squared));
+}
+
 TEST(FusionReport, AStateThatMayBeAnywhereOrIsNotDeterminedIsNoTrack) {
   EXPECT_FALSE(whyNoTrack(stateOf(1e-3)));
   EXPECT_FALSE(whyNoTrack(stateOf(3.0)));

@@ -86,5 +86,16 @@ TEST(UsableSightings, AScanWithoutIfovIsRefusedOnlyWhereSensorsAreWeighedByIt) {
   EXPECT_FALSE(whyNotWeighable(scan, params));
 }
 
+TEST(WithNoise, ScalesEveryCovarianceAndRemembersTheScale) {
+  Scan scan = scanOf({good(0.1), good(0.2)});
+  scan.noise_scale = 2.0;
+  const Scan scaled = withNoise(scan, 3.0);
+  EXPECT_EQ(scaled.noise_scale, 6.0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(scaled.sightings[i].covariance, Eigen::Matrix3d(3.0 * scan.sightings[i].covariance));
+    EXPECT_EQ(scaled.sightings[i].direction, scan.sightings[i].direction);
+  }
+}
+
 }  // namespace
 }  // namespace sightline::core

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "sightline/core/model/kinematics.h"
+
 /// The response models of NOGA's bank: how a target may move between two sightings.
 namespace sightline::core {
 
@@ -34,6 +36,13 @@ struct ResponseBelief {
 
 /// Goes over from seconds to units of time of `unit` seconds: rates per unit, and so on.
 void inUnits(ResponseBelief& belief, double unit);
+
+/// Position and rates, both channels together.
+Motion<4> motionOf(const ResponseBelief& belief);
+
+/// Goes over to a chart that is turned by `R_new_old`. Position, rate and acceleration turn exactly in the
+/// mean and by the derivative in the covariance; kappa is a property of the motion and stays.
+void turn(ResponseBelief& belief, const Eigen::Matrix3d& R_new_old);
 
 /// Throws std::invalid_argument for a model that cannot work.
 void check(const ResponseModel& model);

@@ -28,7 +28,8 @@ struct SourceTrack {
   std::string tracker;
   std::uint32_t id = 0;
   double weight = 0.0;  ///< share in the fused position, in [0, 1]; 0 when left out
-  /// Normalised distance squared from the other local tracks of the global track [1]; NaN = there are none.
+  /// Normalised distance squared from the other local tracks of the global track [1]; NaN = there are none,
+  /// or none that it can be compared with.
   double distance_squared = std::numeric_limits<double>::quiet_NaN();
   double age = 0.0;               ///< by how much the track was predicted to the common time [s]
   std::optional<Refusal> reason;  ///< only when left out

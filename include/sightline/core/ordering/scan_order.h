@@ -28,10 +28,11 @@ struct ScanOrder {
   }
 };
 
-/// Content: the directions of the sightings, in the order of the scan.
+/// Content: the directions of the sightings, in the order of the scan; of the same ones all else that is
+/// stated, as far as it changes what is made of them.
 bool precedes(const Scan& a, const Scan& b);
 
-/// Content: the direction of the tracklet's sighting.
+/// Content: the direction of the tracklet's sighting, and all else as with scans.
 bool precedes(const Tracklet& a, const Tracklet& b);
 
 /// When an item of a Timeline was sighted; every item type has such a function.

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "sightline/core/model/track.h"
 
 namespace sightline::core {
@@ -10,8 +8,5 @@ namespace sightline::core {
 /// positive semidefinite to rounding; a position less uncertain than anywhere on the sphere (sigma at most pi
 /// rad).
 bool isTrack(const Track& track);
-
-/// The tracks that are. One of the others goes on unseen: a sighting may yet make it one.
-std::vector<Track> publishedTracks(std::vector<Track> tracks);
 
 }  // namespace sightline::core

@@ -30,6 +30,9 @@ struct UsableSightings {
 /// states of its sensor and cannot be (a probability of 7, a density that is infinite) is not known.
 UsableSightings usableSightings(const Scan& scan, std::size_t most);
 
+/// The scan with its noise taken for `noise_scale` times as large.
+Scan withNoise(const Scan& scan, double noise_scale);
+
 /// Why an estimator that weighs sensors by their ifov cannot use a scan; nullopt when it can.
 std::optional<Refusal> whyNotWeighable(const Scan& scan, const EstimatorParams& params);
 
