@@ -265,6 +265,7 @@ core::PositionTrackerParams randomPositions(RandomInput& input) {
   dial.size(scene.hypotheses.correlation_time, 1e-6, 1e6);
   dial.size(scene.hypotheses.least_score, 0.0, 1e3);
   dial.size(scene.hypotheses.least_margin, 0.0, 1e3);
+  dial.size(scene.hypotheses.least_fit_margin, 0.0, 1e3);
   dial.count(scene.hypotheses.most_candidates, 1, 20000);
   dial.size(scene.noise.slow_scale, 0.0, 1e6);
   dial.size(scene.noise.time_constant, 1e-3, 1e6);
@@ -279,6 +280,7 @@ core::PositionTrackerParams randomPositions(RandomInput& input) {
   dial.size(scene.contradiction_time, 1e-3, 1e3);
   dial.size(scene.merge_gate, 1e-3, 1e6);
   dial.size(scene.confirm_after, 0.0, 1e3);
+  dial.size(scene.confirm_pair_after, 0.0, 1e3);
   dial.size(scene.coast_after, 1e-3, 1e3);
   dial.size(scene.delete_after, 1e-3, 1e3);
   dial.size(scene.remember_for, 0.0, 1e3);

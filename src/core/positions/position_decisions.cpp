@@ -1,4 +1,4 @@
-// The decisions of PositionScene: which local tracks are one target.
+// What PositionScene decides of its targets: what supports them, which of them are one.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -161,65 +161,6 @@ void PositionScene::claim(Time now) {
     }
   }
   claims_ = std::move(claims);
-}
-
-/// An estimator that has taken the last measurements of all members, in order.
-std::shared_ptr<PositionEstimator> PositionScene::estimatorFrom(const std::set<ViewKey>& members) const {
-  std::vector<std::pair<ViewKey, const StationMeasurement*>> all;
-  for (const ViewKey& key : members)
-    for (const StationMeasurement& measurement : locals_.at(key).recent) all.emplace_back(key, &measurement);
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
-    if (a.second->time != b.second->time) return a.second->time < b.second->time;
-    return a.first == b.first ? a.second->station < b.second->station : a.first < b.first;
-  });
-  auto estimator = std::make_shared<PositionEstimator>(params_->estimator);
-  for (const auto& [key, measurement] : all) estimator->update(*measurement);
-  return estimator;
-}
-
-/// Free local tracks that cross as one target's do start a target, or bring one back that was a direction.
-void PositionScene::startTargets(Time now) {
-  std::vector<LocalView> views;
-  std::vector<LookingStation> stations;
-  for (const auto& [key, local] : locals_) {
-    const auto target = targets_.find(local.target);
-    const bool is_free = target == targets_.end() || target->second.lost.has_value();
-    if (is_free && local.is_reported && seconds(now - local.time) <= kFreshestView)
-      views.push_back(viewAt(local, now));
-  }
-  for (std::size_t i = 0; i < trackers_.size(); ++i) {
-    if (seconds(now - trackers_[i].time) <= kFreshestView)
-      stations.push_back({static_cast<int>(i), trackers_[i].origin, trackers_[i].view});
-  }
-  decision_ = hypotheses_.decide(now, std::move(views), stations);
-  for (const Candidate& candidate : decision_.targets) {
-    const std::set<ViewKey> members(candidate.members.begin(), candidate.members.end());
-    auto estimator = estimatorFrom(members);
-    if (!estimator->hasState()) continue;  // too few tracklets yet
-    std::uint32_t id = 0;
-    for (const ViewKey& key : members) {
-      const std::uint32_t had = locals_.at(key).target;
-      if (had && (id == 0 || had < id)) id = had;
-    }
-    for (const ViewKey& key : members) {
-      const std::uint32_t had = locals_.at(key).target;
-      if (had && had != id) release(had, key);
-    }
-    if (id == 0) {
-      if (static_cast<int>(targets_.size()) >= params_->max_targets) continue;
-      id = next_id_++;
-      targets_[id].since = now;
-    }
-    Target& target = targets_[id];
-    for (const ViewKey& key : std::set<ViewKey>(target.supporters))
-      if (!members.count(key)) release(id, key);
-    target.supporters = members;
-    target.contradicted.clear();
-    target.last_sighting = estimator->time().value_or(now);
-    target.lost.reset();
-    target.estimator = std::move(estimator);
-    for (const ViewKey& key : members) locals_.at(key).target = id;
-  }
 }
 
 /// Two targets of different stations at one place with one velocity are one: the older stays.

@@ -8,7 +8,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "sightline/core/association/clusters.h"
 #include "sightline/core/model/sphere.h"
 
 namespace sightline::core {
@@ -20,7 +19,8 @@ constexpr double kRateSpread = 1.0;   // [rad/s] within which their rates may li
 constexpr double kUnknownView = 0.5;  // probability that a station looks there, when its view is not known
 constexpr double kMostRepeats = 6.0;  // independent looks that the memory can stand for
 constexpr std::size_t kMostMemories = 20000;
-constexpr int kMostSteps = 20000;  // of the exact search in one cluster
+constexpr double kPartner = 4.0;  // above least_fit_margin: what it is worth that one track more is explained
+                                  // by a target that other stations see
 
 double logDeterminant(const Eigen::MatrixXd& C) {
   return 2.0 * Eigen::MatrixXd(C.llt().matrixL()).diagonal().array().log().sum();
@@ -36,95 +36,6 @@ struct ByHeight {
   std::vector<std::pair<double, const LocalView*>> rays;  // ascending z of the direction
 };
 
-bool areDisjoint(const Candidate& a, const Candidate& b) {
-  auto i = a.members.begin();
-  auto j = b.members.begin();
-  while (i != a.members.end() && j != b.members.end()) {
-    if (*i == *j) return false;
-    if (*i < *j)
-      ++i;
-    else
-      ++j;
-  }
-  return true;
-}
-
-/// Exact search with a bound, in one cluster; best first, so that what is found early is good.
-struct Search {
-  const std::vector<Candidate>& candidates;
-  const std::vector<int>& order;  // by falling score
-  std::vector<double> rest;       // sum of the scores from here on
-  std::vector<int> chosen, best;
-  double best_sum = -1.0;
-  int steps = 0;
-
-  void run(std::size_t at, double sum) {
-    if (sum > best_sum) {
-      best_sum = sum;
-      best = chosen;
-    }
-    if (at == order.size() || sum + rest[at] <= best_sum || ++steps > kMostSteps) return;
-    const Candidate& next = candidates[static_cast<std::size_t>(order[at])];
-    const bool fits = std::all_of(chosen.begin(), chosen.end(), [&](int other) {
-      return areDisjoint(next, candidates[static_cast<std::size_t>(other)]);
-    });
-    if (fits) {
-      chosen.push_back(order[at]);
-      run(at + 1, sum + next.score);
-      chosen.pop_back();
-    }
-    run(at + 1, sum);
-  }
-};
-
-/// Groups of candidates that share members.
-std::vector<std::vector<int>> groupsOf(const std::vector<Candidate>& candidates) {
-  std::map<ViewKey, int> numbers;
-  std::vector<GatedPair> pairs;
-  std::vector<int> owner;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    for (const ViewKey& key : candidates[i].members) {
-      const int number = numbers.emplace(key, static_cast<int>(numbers.size())).first->second;
-      pairs.push_back({static_cast<int>(i), number, 0.0});
-      owner.push_back(static_cast<int>(i));
-    }
-  }
-  std::vector<std::vector<int>> groups;
-  for (const std::vector<int>& cluster : clusters(pairs)) {
-    std::vector<int> group;
-    for (const int pair : cluster) group.push_back(owner[static_cast<std::size_t>(pair)]);
-    groups.push_back(occurring(group));
-  }
-  return groups;
-}
-
-std::vector<int> bestOfGroup(const std::vector<Candidate>& candidates, const std::vector<int>& group,
-                             int forbidden) {
-  std::vector<int> order;
-  for (const int i : group)
-    if (i != forbidden && candidates[static_cast<std::size_t>(i)].score > 0.0) order.push_back(i);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    const Candidate &x = candidates[static_cast<std::size_t>(a)],
-                    &y = candidates[static_cast<std::size_t>(b)];
-    return x.score != y.score ? x.score > y.score : x.members < y.members;
-  });
-  Search search{candidates, order, std::vector<double>(order.size() + 1, 0.0), {}, {}, -1.0, 0};
-  for (std::size_t i = order.size(); i-- > 0;)
-    search.rest[i] = search.rest[i + 1] + candidates[static_cast<std::size_t>(order[i])].score;
-  search.run(0, 0.0);
-  return search.best;
-}
-
-double sumOf(const std::vector<Candidate>& candidates, const std::vector<int>& chosen) {
-  double sum = 0.0;
-  for (const int i : chosen) sum += candidates[static_cast<std::size_t>(i)].score;
-  return sum;
-}
-
-bool isWithin(const Candidate& a, const Candidate& b) {
-  return std::includes(b.members.begin(), b.members.end(), a.members.begin(), a.members.end());
-}
-
 }  // namespace
 
 PositionHypotheses::PositionHypotheses(const HypothesisParams& params) : params_(params) {
@@ -139,6 +50,7 @@ PositionHypotheses::PositionHypotheses(const HypothesisParams& params) : params_
   require(params.memory > 0.0, "memory > 0 s");
   require(params.correlation_time > 0.0, "correlation_time > 0 s");
   require(params.least_score >= 0.0 && params.least_margin >= 0.0, "least_score, least_margin >= 0");
+  require(params.least_fit_margin >= 0.0, "least_fit_margin >= 0");
   require(params.most_candidates >= 1, "most_candidates >= 1");
 }
 
@@ -294,88 +206,151 @@ std::vector<Candidate> PositionHypotheses::candidatesOf(const std::vector<LocalV
   return candidates;
 }
 
-/// Scores over time (P-10): the mean with forgetting, times the number of independent looks.
-void PositionHypotheses::remember(Time now, std::vector<Candidate>& candidates) {
-  for (auto it = memory_.begin(); it != memory_.end();) {
-    if (seconds(now - it->second.last) > params_.memory)
-      it = memory_.erase(it);
-    else
-      ++it;
-  }
+/// Scores over time (P-10): the mean with forgetting, times the number of independent looks. Those that
+/// crossed within the memory and do not now are kept as rivals: noise may spoil a crossing for an instant.
+void PositionHypotheses::remember(Time now, const std::vector<LocalView>& views,
+                                  std::vector<Candidate>& candidates) {
   for (Candidate& candidate : candidates) {
+    const double misfit = candidate.at.chi_square - candidate.at.degrees;
     auto found = memory_.find(candidate.members);
+    candidate.misfit = misfit;
     if (found == memory_.end()) {
-      if (memory_.size() < kMostMemories) memory_[candidate.members] = {candidate.score, now, now};
+      if (memory_.size() < kMostMemories)
+        memory_[candidate.members] = {
+            candidate.score, misfit, candidate.at.degrees, candidate.at.point, now, now, now};
       continue;
     }
     Memory& memory = found->second;
-    const double h = seconds(now - memory.last);
-    const double share = 1.0 - std::exp(-h / params_.memory);
-    memory.score += std::max(share, 0.0) * (candidate.score - memory.score);
-    memory.last = now;
+    const double share = 1.0 - std::exp(-std::max(seconds(now - memory.last), 0.0) / params_.memory);
+    memory.score += share * (candidate.score - memory.score);
+    memory.misfit += share * (misfit - memory.misfit);
+    memory.degrees = candidate.at.degrees;
+    memory.point = candidate.at.point;
+    memory.last = memory.fitted = now;
     const double looks = std::min(1.0 + seconds(now - memory.first) / params_.correlation_time, kMostRepeats);
     candidate.score = memory.score * looks;
+    candidate.misfit = memory.misfit;
+  }
+  const double gate = params_.gate * params_.gate;
+  const auto isSeen = [&](const ViewKey& key) {
+    const auto at = std::lower_bound(views.begin(), views.end(), key,
+                                     [](const LocalView& view, const ViewKey& k) { return view.key < k; });
+    return at != views.end() && at->key == key;
+  };
+  for (auto it = memory_.begin(); it != memory_.end();) {
+    Memory& memory = it->second;
+    if (seconds(now - memory.fitted) > params_.memory) {
+      it = memory_.erase(it);
+      continue;
+    }
+    const bool is_absent = it->first.size() == 2 && memory.fitted != now &&
+                           std::all_of(it->first.begin(), it->first.end(), isSeen);
+    if (is_absent) {
+      const double share = 1.0 - std::exp(-std::max(seconds(now - memory.last), 0.0) / params_.memory);
+      memory.misfit += share * ((gate - 1.0) * memory.degrees - memory.misfit);
+      memory.last = now;
+      Candidate candidate;
+      candidate.members = it->first;
+      candidate.score = memory.score;
+      candidate.misfit = memory.misfit;
+      candidate.is_present = false;
+      candidate.at.point = memory.point;
+      candidate.at.degrees = memory.degrees;
+      candidates.push_back(std::move(candidate));
+    }
+    ++it;
   }
 }
 
-std::vector<int> bestDisjoint(const std::vector<Candidate>& candidates, int forbidden) {
-  std::vector<int> all;
-  for (const std::vector<int>& group : groupsOf(candidates)) {
-    const std::vector<int> best = bestOfGroup(candidates, group, forbidden);
-    all.insert(all.end(), best.begin(), best.end());
+/// Which of a group of candidates that share tracks are targets (P-11), (P-15).
+void PositionHypotheses::judge(const std::vector<Candidate>& candidates, const std::vector<int>& group,
+                               HypothesisDecision& decision) const {
+  std::vector<double> scores(candidates.size(), 0.0), fits(candidates.size(), 0.0);
+  const auto sumOf = [](const std::vector<double>& values, const std::vector<int>& chosen) {
+    double sum = 0.0;
+    for (const int i : chosen) sum += values[static_cast<std::size_t>(i)];
+    return sum;
+  };
+  for (const int i : group) {
+    const Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    if (candidate.is_present) scores[static_cast<std::size_t>(i)] = candidate.score;
   }
-  std::sort(all.begin(), all.end());
-  return all;
+  const std::vector<int> chosen = bestOfGroup(candidates, scores, group);
+  const double sum = sumOf(scores, chosen);
+  const double partner = params_.least_fit_margin + kPartner;
+  // Three rays of different targets do not meet in a point, but two in one plane do, for as long as the
+  // targets stay there. Where the best explanation fits worse than stated, a difference in fit says less.
+  double chi_square = 0.0, degrees = 0.0;
+  for (const int i : chosen) {
+    const Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    chi_square += candidate.misfit + candidate.at.degrees;
+    degrees += candidate.at.degrees;
+  }
+  const double scale = degrees > 0.0 ? std::max(1.0, chi_square / degrees) : 1.0;
+  for (const int i : group) {
+    const Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    if (!(candidate.score > 0.0)) continue;  // likelier to be tracks without a partner
+    fits[static_cast<std::size_t>(i)] =
+        partner * static_cast<double>(candidate.members.size() - 1) - 0.5 * candidate.misfit / scale;
+  }
+  const bool has_pair = std::any_of(chosen.begin(), chosen.end(), [&](int i) {
+    return candidates[static_cast<std::size_t>(i)].members.size() == 2;
+  });
+  const double best_fit = has_pair ? sumOf(fits, bestOfGroup(candidates, fits, group)) : 0.0;
+
+  std::vector<int> accepted;
+  std::vector<Candidate> judged;
+  for (const int i : group) judged.push_back(candidates[static_cast<std::size_t>(i)]);
+  for (const int i : chosen) {
+    Candidate candidate = candidates[static_cast<std::size_t>(i)];
+    // The best explanation without it; a part of it, or more than it, is no other explanation.
+    std::vector<int> others;
+    for (const int j : group) {
+      const Candidate& other = candidates[static_cast<std::size_t>(j)];
+      if (!isWithin(other, candidate) && !isWithin(candidate, other)) others.push_back(j);
+    }
+    candidate.margin = sum - sumOf(scores, bestOfGroup(candidates, scores, others));
+    candidate.fit_margin = partner;
+    if (candidate.members.size() == 2)
+      candidate.fit_margin = best_fit - sumOf(fits, bestOfGroup(candidates, fits, others));
+    judged[static_cast<std::size_t>(std::find(group.begin(), group.end(), i) - group.begin())] = candidate;
+    const bool is_target = candidate.score >= params_.least_score &&
+                           candidate.margin >= params_.least_margin &&
+                           candidate.fit_margin >= params_.least_fit_margin;
+    if (!is_target) continue;
+    decision.targets.push_back(candidate);
+    accepted.push_back(i);
+  }
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const Candidate& candidate = judged[k];
+    if (std::find(accepted.begin(), accepted.end(), group[k]) != accepted.end()) continue;
+    const bool is_part = std::any_of(accepted.begin(), accepted.end(), [&](int other) {
+      return isWithin(candidate, candidates[static_cast<std::size_t>(other)]);
+    });
+    const bool is_unlikely = candidate.score < params_.least_score;
+    if (is_part || (is_unlikely && !candidate.is_present)) continue;
+    const bool is_taken = std::any_of(accepted.begin(), accepted.end(), [&](int other) {
+      return !areDisjoint(candidate, candidates[static_cast<std::size_t>(other)]);
+    });
+    CrossingRefusal reason = CrossingRefusal::ambiguous;
+    if (is_unlikely)
+      reason = CrossingRefusal::unlikely;
+    else if (is_taken)
+      reason = CrossingRefusal::ghost;
+    decision.refused.push_back({candidate, reason});
+  }
 }
 
 HypothesisDecision PositionHypotheses::decide(Time now, std::vector<LocalView> views,
                                               const std::vector<LookingStation>& stations) {  // (P-11)
   std::sort(views.begin(), views.end(), [](const LocalView& a, const LocalView& b) { return a.key < b.key; });
+  const auto byMembers = [](const Candidate& a, const Candidate& b) { return a.members < b.members; };
   HypothesisDecision decision;
   std::vector<Candidate> candidates = candidatesOf(views, stations, decision.is_complete);
-  std::sort(candidates.begin(), candidates.end(),
-            [](const Candidate& a, const Candidate& b) { return a.members < b.members; });
-  remember(now, candidates);
-
-  for (const std::vector<int>& group : groupsOf(candidates)) {
-    const std::vector<int> chosen = bestOfGroup(candidates, group, -1);
-    const double sum = sumOf(candidates, chosen);
-    std::vector<int> accepted;
-    for (const int i : chosen) {
-      Candidate& candidate = candidates[static_cast<std::size_t>(i)];
-      // The best explanation without it; a part of it, or more than it, is no other explanation.
-      std::vector<int> others;
-      for (const int j : group) {
-        const Candidate& other = candidates[static_cast<std::size_t>(j)];
-        if (!isWithin(other, candidate) && !isWithin(candidate, other)) others.push_back(j);
-      }
-      candidate.margin = sum - sumOf(candidates, bestOfGroup(candidates, others, i));
-      const bool is_target =
-          candidate.score >= params_.least_score && candidate.margin >= params_.least_margin;
-      if (is_target) {
-        decision.targets.push_back(candidate);
-        accepted.push_back(i);
-      }
-    }
-    for (const int i : group) {
-      const Candidate& candidate = candidates[static_cast<std::size_t>(i)];
-      if (std::find(accepted.begin(), accepted.end(), i) != accepted.end()) continue;
-      const bool is_part = std::any_of(accepted.begin(), accepted.end(), [&](int other) {
-        return isWithin(candidate, candidates[static_cast<std::size_t>(other)]);
-      });
-      if (is_part) continue;
-      const bool is_taken = std::any_of(accepted.begin(), accepted.end(), [&](int other) {
-        return !areDisjoint(candidate, candidates[static_cast<std::size_t>(other)]);
-      });
-      CrossingRefusal reason = CrossingRefusal::ambiguous;
-      if (candidate.score < params_.least_score)
-        reason = CrossingRefusal::unlikely;
-      else if (is_taken)
-        reason = CrossingRefusal::ghost;
-      decision.refused.push_back({candidate, reason});
-    }
-  }
-  const auto byMembers = [](const Candidate& a, const Candidate& b) { return a.members < b.members; };
+  std::sort(candidates.begin(), candidates.end(), byMembers);
+  remember(now, views, candidates);
+  std::sort(candidates.begin(), candidates.end(), byMembers);
+  for (const std::vector<int>& group : groupsOf(candidates)) judge(candidates, group, decision);
   std::sort(decision.targets.begin(), decision.targets.end(), byMembers);
   std::sort(decision.refused.begin(), decision.refused.end(),
             [&](const RefusedCrossing& a, const RefusedCrossing& b) {

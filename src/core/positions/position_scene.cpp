@@ -28,7 +28,8 @@ PositionSceneParams checked(const PositionSceneParams& params) {
           "claim_gate, contradiction and merge_gate > 0");
   require(params.claim_decisions >= 1, "claim_decisions >= 1");
   require(params.contradiction_time > 0.0, "contradiction_time > 0 s");
-  require(params.confirm_after >= 0.0 && params.remember_for >= 0.0, "confirm_after, remember_for >= 0 s");
+  require(params.confirm_after >= 0.0 && params.confirm_pair_after >= 0.0 && params.remember_for >= 0.0,
+          "confirm_after, confirm_pair_after, remember_for >= 0 s");
   require(params.coast_after > 0.0 && params.delete_after > 0.0, "coast_after, delete_after > 0 s");
   require(params.max_local_tracks >= 1 && params.max_targets >= 1, "max_local_tracks, max_targets >= 1");
   return params;
@@ -39,6 +40,7 @@ PositionSceneParams checked(const PositionSceneParams& params) {
 PositionScene::PositionScene(const PositionSceneParams& params)
     : params_(std::make_shared<const PositionSceneParams>(checked(params))),
       hypotheses_(params.hypotheses),
+      review_(params.hypotheses),
       alignment_(params.alignment) {
   PositionEstimator{params.estimator};  // both throw for a parameter out of range
   StationNoise{params.noise};
@@ -165,6 +167,13 @@ void PositionScene::take(const StationTracks& in) {
   if (!decided_ || seconds(in.time - *decided_) >= params_->decision_interval) decide(in.time);
 }
 
+/// How many support it.
+int PositionScene::stationsOf(const Target& target) {
+  std::set<int> stations;
+  for (const ViewKey& key : target.supporters) stations.insert(key.station);
+  return static_cast<int>(stations.size());
+}
+
 /// A local track no longer supports a target.
 void PositionScene::release(std::uint32_t id, const ViewKey& key) {
   const auto local = locals_.find(key);
@@ -229,7 +238,10 @@ void PositionScene::forget(Time now) {
     }
     const auto state = target.estimator->stateAt(std::max(now, target.estimator->time().value_or(now)));
     const bool is_position = state && target.estimator->isPosition(*state);
-    if (is_position && seconds(now - target.since) >= params_->confirm_after) target.is_confirmed = true;
+    const double confirm_after = stationsOf(target) > 2
+                                     ? params_->confirm_after
+                                     : std::max(params_->confirm_after, params_->confirm_pair_after);
+    if (is_position && seconds(now - target.since) >= confirm_after) target.is_confirmed = true;
   }
 }
 

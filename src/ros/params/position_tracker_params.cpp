@@ -59,6 +59,7 @@ core::HypothesisParams loadHypotheses(const ParamReader& reader, core::Hypothesi
   params.correlation_time = reader.number("correlation_time", params.correlation_time, above(0.0), "s");
   params.least_score = reader.number("least_score", params.least_score, atLeast(0.0));
   params.least_margin = reader.number("least_margin", params.least_margin, atLeast(0.0));
+  params.least_fit_margin = reader.number("least_fit_margin", params.least_fit_margin, atLeast(0.0));
   params.most_candidates = reader.integer("most_candidates", params.most_candidates, 1, kMany);
   return params;
 }
@@ -97,6 +98,7 @@ core::PositionTrackerParams loadPositionTrackerParams(const ParamReader& reader,
   scene.contradiction_time = reader.number("contradiction_time", scene.contradiction_time, above(0.0), "s");
   scene.merge_gate = reader.number("merge_gate", scene.merge_gate, above(0.0));
   scene.confirm_after = reader.number("confirm_after", scene.confirm_after, atLeast(0.0), "s");
+  scene.confirm_pair_after = reader.number("confirm_pair_after", scene.confirm_pair_after, atLeast(0.0), "s");
   scene.coast_after = reader.number("coast_after", scene.coast_after, above(0.0), "s");
   scene.delete_after = reader.number("delete_after", scene.delete_after, above(0.0), "s");
   scene.remember_for = reader.number("remember_for", scene.remember_for, atLeast(0.0), "s");

@@ -1,6 +1,9 @@
 #include "sightline/core/positions/position_scene.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -98,6 +101,74 @@ TEST(PositionScene, TwoTargetsThatAreOneAreMergedIntoTheOlder) {
   ASSERT_EQ(tracks.size(), 1u);
   EXPECT_EQ(tracks[0].id, 1u);
   EXPECT_EQ(tracks[0].sources.size(), 4u);
+}
+
+/// What a station says when it sees two targets, as tracks 1 and 2.
+void sayBoth(PositionScene& scene, RandomStream& random, int station, const Vector& origin, double time,
+             const std::vector<Vector>& targets, const Vector& velocity,
+             const std::vector<std::uint32_t>& seen) {
+  StationTracks tracks;
+  tracks.tracker = "station_" + std::to_string(station);
+  tracks.time = Time(durationOf(time));
+  tracks.pose.origin = origin;
+  for (const std::uint32_t id : seen) {
+    const Vector to = targets[id - 1] - origin;
+    StationTracklet tracklet;
+    tracklet.tracker = tracks.tracker;
+    tracklet.track = id;
+    tracklet.tracklet.time = tracks.time;
+    tracklet.tracklet.sensor = "camera of " + tracks.tracker;
+    tracklet.tracklet.sighting = sightingOf(anglesOf(to) + kSigma * random.normalPair(),
+                                            kSigma * kSigma * Eigen::Matrix2d::Identity());
+    tracklet.pose.origin = origin;
+    scene.take(tracklet);
+    Track track;
+    track.id = id;
+    track.status = TrackStatus::confirmed;
+    track.state.mean << anglesOf(to), anglesJacobian(to.normalized()) * velocity / to.norm();
+    track.state.covariance.diagonal() << 1e-7, 1e-7, 1e-5, 1e-5;
+    track.last_sighting = tracks.time;
+    tracks.tracks.push_back(track);
+  }
+  scene.take(tracks);
+}
+
+// Station 0 sees only the first target for long, station 1 only the second, in one plane with the baseline:
+// their only crossing is no target, and nothing says so. Then both see both, and at last a third station
+// does.
+TEST(PositionScene, ConfirmedPositionsThatALaterStationContradictsAreGivenUpForTheRightCrossings) {
+  PositionScene scene{PositionSceneParams{}};
+  RandomStream random(5);
+  const std::vector<Vector> origins{{0, 0, 2}, {100, 0, 2}, {50, 160, 4}};
+  const Vector velocity(0.7, 0, 0);
+  std::set<std::uint32_t> ghosts, right;
+  for (int i = 1; i < 400; ++i) {
+    const double t = i * kStep;
+    const std::vector<Vector> targets{Vector(20, 60, 17) + t * velocity, Vector(60, 60, 17) + t * velocity};
+    const bool both = t > 5.0;
+    sayBoth(scene, random, 0, origins[0], t, targets, velocity,
+            both ? std::vector<std::uint32_t>{1, 2} : std::vector<std::uint32_t>{1});
+    sayBoth(scene, random, 1, origins[1], t, targets, velocity,
+            both ? std::vector<std::uint32_t>{1, 2} : std::vector<std::uint32_t>{2});
+    if (t > 10.0) sayBoth(scene, random, 2, origins[2], t, targets, velocity, {1, 2});
+    const auto tracks = tracksAt(scene, t);
+    for (const PositionTrack& track : tracks) {
+      const bool is_right = std::any_of(targets.begin(), targets.end(), [&](const Vector& target) {
+        return (track.position - target).norm() < 2.0;
+      });
+      (is_right ? right : ghosts).insert(track.id);
+      if (t > 11.5) {
+        EXPECT_TRUE(is_right) << t << ": " << track.position.transpose();
+        EXPECT_EQ(track.sources.size(), 3u) << t;
+      }
+    }
+    if (t > 11.5) {
+      EXPECT_EQ(tracks.size(), 2u) << t;
+    }
+  }
+  EXPECT_FALSE(ghosts.empty()) << "nobody can tell before the third station";
+  EXPECT_EQ(right.size(), 2u);
+  for (const std::uint32_t id : right) EXPECT_EQ(ghosts.count(id), 0u) << "an id is not used again";
 }
 
 TEST(PositionScene, ASupporterThatContradictsTheOthersIsTakenOut) {

@@ -213,30 +213,88 @@ TEST(PositionTracker, OneStationLeftAloneHoldsThePositionForAWhileAndTheIdUntilA
   EXPECT_EQ(ids, std::set<std::uint32_t>{1});
 }
 
-TEST(PositionTracker, AParallelPairInThePlaneOfTheBaselineGivesNoWrongPositionFromTwoStations) {
-  // At the height of the stations' baseline, moving along their bisector.
-  const std::vector<Path> paths{[](double t) { return Vector(40, 60 + t, 1.4); },
-                                [](double t) { return Vector(60, 60 + t, 1.4); }};
-  for (const int stations : {2, 3}) {
-    SimulatedField field(test::fieldStations(stations), paths, 6);
+/// Stations at (0, 0, 2), (100, 0, 2) and, from `third` [s] on, (50, 160, 4).
+std::vector<FieldStation> stationsOfAPair(double third) {
+  std::vector<FieldStation> stations = test::fieldStations(3);
+  stations[0].origin = Vector(0, 0, 2);
+  stations[1].origin = Vector(100, 0, 2);
+  stations[2].origin = Vector(50, 160, 4);
+  stations[2].sees = [third](double t) { return t >= third; };
+  for (FieldStation& station : stations) station.detection_probability = 0.95;
+  return stations;
+}
+
+// In one plane with the baseline of the only two stations, side by side or towards each other: all four
+// crossings move as targets do, and the wrong ones are the sharper ones.
+TEST(PositionTracker, APairInThePlaneOfTheBaselineIsAmbiguousUntilAThirdStationSolvesIt) {
+  const std::vector<std::vector<Path>> pairs{{[](double t) { return Vector(20 + 0.7 * t, 60, 17); },
+                                              [](double t) { return Vector(60 + 0.7 * t, 60, 17); }},
+                                             {[](double t) { return Vector(20 + 0.7 * t, 60, 17); },
+                                              [](double t) { return Vector(80 - 0.7 * t, 75, 20.75); }}};
+  constexpr double kThird = 8.0;  // [s]
+  for (const std::vector<Path>& paths : pairs) {
+    SimulatedField field(stationsOfAPair(kThird), paths, 6);
     PositionTracker tracker;
-    std::optional<PositionOutput> output;
+    int looks = 0, ambiguous = 0;
     double next = 1.0;
-    for (FieldMessage message = field.next(); message.time < 8.0; message = field.next()) {
+    for (FieldMessage message = field.next(); message.time < 12.0; message = field.next()) {
       feed(tracker, message);
       if (message.time < next) continue;
-      next += 0.25;
-      output = tracker.report();
+      next += 0.1;
+      const auto output = tracker.report();
+      const double t = seconds(output->tracks.time.time_since_epoch());
+      std::set<std::size_t> found;
       for (const PositionTrack& track : output->tracks.tracks) {
-        EXPECT_TRUE(
-            nearestTarget(paths, seconds(output->tracks.time.time_since_epoch()), track.position, 3.0))
-            << stations << " stations at " << message.time << ": " << track.position.transpose();
+        const auto target = nearestTarget(paths, t, track.position, 3.0);
+        EXPECT_TRUE(target || track.status == TrackStatus::tentative)
+            << t << " s: " << track.position.transpose();
+        if (target && track.status == TrackStatus::confirmed && track.sources.size() == 3)
+          found.insert(*target);
+      }
+      if (t < kThird) {
+        ++looks;
+        const auto said =
+            std::count_if(output->report.refused.begin(), output->report.refused.end(),
+                          [](const auto& refused) { return refused.reason.kind == "ambiguous"; });
+        if (said == 4) ++ambiguous;
+        if (said == 4) {
+          EXPECT_EQ(output->report.unlocated.size(), 4u) << t;
+        }
+      }
+      if (t > kThird + 2.0) {
+        EXPECT_EQ(found.size(), 2u) << t;
       }
     }
-    if (stations == 3) {
-      EXPECT_EQ(output->tracks.tracks.size(), 2u);
+    EXPECT_GE(ambiguous, looks - 2) << "of " << looks;
+  }
+}
+
+TEST(PositionTracker, APairThatCrossesThePlaneOfTheBaselineForAWhileKeepsItsPositionsAndIds) {
+  const std::vector<Path> paths{
+      [](double t) { return Vector(20 + 0.7 * t, 60, 17); },
+      [](double t) {
+        return Vector(60 + 0.7 * t, 60, 17 + 0.8 * (std::max(4.0 - t, 0.0) + std::max(t - 10.0, 0.0)));
+      }};
+  SimulatedField field(stationsOfAPair(1e9), paths, 7);
+  PositionTracker tracker;
+  std::map<std::size_t, std::set<std::uint32_t>> ids;
+  double next = 2.0;
+  for (FieldMessage message = field.next(); message.time < 14.0; message = field.next()) {
+    feed(tracker, message);
+    if (message.time < next) continue;
+    next += 0.1;
+    const auto output = tracker.report();
+    const double t = seconds(output->tracks.time.time_since_epoch());
+    ASSERT_EQ(output->tracks.tracks.size(), 2u) << t;
+    for (const PositionTrack& track : output->tracks.tracks) {
+      const auto target = nearestTarget(paths, t, track.position, 2.0);
+      ASSERT_TRUE(target) << t;
+      EXPECT_EQ(track.status, TrackStatus::confirmed);
+      ids[*target].insert(track.id);
     }
   }
+  EXPECT_EQ(ids[0].size(), 1u);
+  EXPECT_EQ(ids[1].size(), 1u);
 }
 
 TEST(PositionTracker, AStationWhoseClockIsLateIsFoundAndSaid) {

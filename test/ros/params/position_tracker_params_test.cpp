@@ -45,7 +45,8 @@ TEST(PositionTrackerParams, ShippedFileSaysTheDefaultsAndNothingElse) {
 TEST(PositionTrackerParams, EveryKeyReachesItsField) {
   const core::PositionTrackerParams params = positionParamsOf(
       "{max_lag: 0.2, max_relative_sigma: 0.25, decision_interval: 0.4, claim_gate: 9.0, claim_decisions: 4,"
-      " contradiction: 20.0, contradiction_time: 0.6, merge_gate: 12.0, confirm_after: 0.7, coast_after: 0.8,"
+      " contradiction: 20.0, contradiction_time: 0.6, merge_gate: 12.0, confirm_after: 0.7,"
+      " confirm_pair_after: 0.9, coast_after: 0.8,"
       " delete_after: 3.0, remember_for: 4.0, max_local_tracks: 50, max_targets: 60}");
   const core::PositionSceneParams& scene = params.scene;
   EXPECT_EQ(params.max_lag, 0.2);
@@ -58,6 +59,7 @@ TEST(PositionTrackerParams, EveryKeyReachesItsField) {
   EXPECT_EQ(scene.contradiction_time, 0.6);
   EXPECT_EQ(scene.merge_gate, 12.0);
   EXPECT_EQ(scene.confirm_after, 0.7);
+  EXPECT_EQ(scene.confirm_pair_after, 0.9);
   EXPECT_EQ(scene.coast_after, 0.8);
   EXPECT_EQ(scene.delete_after, 3.0);
   EXPECT_EQ(scene.remember_for, 4.0);
@@ -72,7 +74,7 @@ TEST(PositionTrackerParams, EveryKeyOfTheSectionsReachesItsField) {
           " alone_intervals: 4.0, start_window: 0.9, lost_relative_sigma: 2.0, fast_share: 0.1, fast_time: "
           "0.02},"
           " hypotheses: {gate: 4.0, detection_probability: 0.8, memory: 3.0, correlation_time: 0.7,"
-          " least_score: 1.0, least_margin: 2.0, most_candidates: 10},"
+          " least_score: 1.0, least_margin: 2.0, least_fit_margin: 5.0, most_candidates: 10},"
           " station_noise: {slow_scale: 2.0, time_constant: 5.0, safety: 1.5, memory: 30.0, prior_weight: "
           "20.0,"
           " least_scale: 0.2, most_scale: 10.0, least_time: 1.0, most_time: 20.0, learn_time: true}}")
@@ -92,6 +94,7 @@ TEST(PositionTrackerParams, EveryKeyOfTheSectionsReachesItsField) {
   EXPECT_EQ(scene.hypotheses.correlation_time, 0.7);
   EXPECT_EQ(scene.hypotheses.least_score, 1.0);
   EXPECT_EQ(scene.hypotheses.least_margin, 2.0);
+  EXPECT_EQ(scene.hypotheses.least_fit_margin, 5.0);
   EXPECT_EQ(scene.hypotheses.most_candidates, 10);
   EXPECT_EQ(scene.noise.slow_scale, 2.0);
   EXPECT_EQ(scene.noise.time_constant, 5.0);

@@ -4,29 +4,16 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "sightline/core/model/field_of_view.h"
 #include "sightline/core/model/time.h"
+#include "sightline/core/positions/disjoint_candidates.h"
 #include "sightline/core/positions/rays.h"
 
 namespace sightline::core {
-
-/// A local track: number of its station, id there.
-struct ViewKey {
-  int station = 0;
-  std::uint32_t track = 0;
-
-  friend bool operator==(const ViewKey& a, const ViewKey& b) {
-    return a.station == b.station && a.track == b.track;
-  }
-  friend bool operator<(const ViewKey& a, const ViewKey& b) {
-    return std::tie(a.station, a.track) < std::tie(b.station, b.track);
-  }
-};
 
 /// What a local track says now: a ray with its rate, slow errors of its sensors in the covariance.
 struct LocalView {
@@ -50,15 +37,9 @@ struct HypothesisParams {
   double correlation_time = 0.5;  ///< over which successive scores say the same [s], > 0
   double least_score = 3.0;       ///< log likelihood ratio from which a crossing is a target, >= 0
   double least_margin = 3.0;      ///< ... by which all else must be less likely, >= 0
+  double least_fit_margin = 8.0;  ///< log likelihood of the residuals alone by which the rays must fit it
+                                  ///< better than other crossings that explain as many tracks, >= 0
   int most_candidates = 20000;    ///< that are scored in one decision; beyond, none are made, >= 1
-};
-
-/// A set of local tracks, one a station at most, that may be one target.
-struct Candidate {
-  std::vector<ViewKey> members;  ///< ascending
-  double score = 0.0;            ///< log likelihood ratio to tracks without a partner, over the memory (P-10)
-  double margin = 0.0;           ///< by which the best explanation with it is better than the best without it
-  Intersection at;
 };
 
 /// Why a crossing is not taken for a target.
@@ -94,22 +75,24 @@ class PositionHypotheses {
 
  private:
   struct Memory {
-    double score = 0.0;  // mean
-    Time first{}, last{};
+    double score = 0.0;   // mean
+    double misfit = 0.0;  // mean of the chi-square less its degrees of freedom
+    int degrees = 0;
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();  // [m], when it fitted last
+    Time first{}, last{};                             // `last`: decision in which it was looked at
+    Time fitted{};                                    // when it fitted last
   };
 
   std::vector<Candidate> candidatesOf(const std::vector<LocalView>& views,
                                       const std::vector<LookingStation>& stations, bool& is_complete) const;
   std::optional<Candidate> score(const std::vector<const LocalView*>& members,
                                  const std::vector<LookingStation>& stations, double most_tracks) const;
-  void remember(Time now, std::vector<Candidate>& candidates);
+  void remember(Time now, const std::vector<LocalView>& views, std::vector<Candidate>& candidates);
+  void judge(const std::vector<Candidate>& candidates, const std::vector<int>& group,
+             HypothesisDecision& decision) const;
 
   HypothesisParams params_;
   std::map<std::vector<ViewKey>, Memory> memory_;
 };
-
-/// The best set of disjoint candidates: those with the largest sum of scores > 0. `forbidden`: index of one
-/// that must not be in it, -1 = none. Exact for clusters of up to about twenty, greedy beyond (P-11).
-std::vector<int> bestDisjoint(const std::vector<Candidate>& candidates, int forbidden = -1);
 
 }  // namespace sightline::core

@@ -63,6 +63,8 @@ struct PositionSceneParams {
   double contradiction_time = 0.5;  ///< for which it must, before it is taken out [s], > 0
   double merge_gate = 22.5;         ///< chi-square of 6 with which two targets are one, > 0
   double confirm_after = 0.3;       ///< age of a position from which it is confirmed [s], >= 0
+  double confirm_pair_after = 0.5;  ///< ... that only two stations support: until then it is given up when
+                                    ///< other crossings explain its tracks as well [s], >= 0
   double coast_after = 0.5;         ///< without a tracklet, a position coasts [s], > 0
   double delete_after = 2.0;        ///< without a tracklet, it is deleted [s], > 0
   double remember_for = 10.0;       ///< a target that has become a direction keeps its id so long [s], >= 0
@@ -109,8 +111,9 @@ class PositionScene {
     std::shared_ptr<PositionEstimator> estimator;
     std::set<ViewKey> supporters;
     std::map<ViewKey, double> contradicted;  // [s]
-    Time since{}, last_sighting{};           // `since`: has a position
-    std::optional<Time> lost;                // when it became a direction
+    double doubted = 0.0;  // for which a crossing of three stations has explained its tracks better [s]
+    Time since{}, last_sighting{};  // `since`: has a position
+    std::optional<Time> lost;       // when it became a direction
     bool is_confirmed = false;
   };
 
@@ -118,6 +121,7 @@ class PositionScene {
   int sensorNumber(int tracker, const std::string& name);
   std::string nameOf(const ViewKey& key) const;
   void feed(Target& target, const StationMeasurement& measurement, double reference);
+  static int stationsOf(const Target& target);
   void decide(Time now);
   LocalView viewAt(const Local& local, Time now) const;
   void release(std::uint32_t id, const ViewKey& key);
@@ -125,6 +129,10 @@ class PositionScene {
   void forget(Time now);
   void checkSupporters(Time now);
   void claim(Time now);
+  static bool isOnProbation(const Target& target);
+  void reviewProbation();
+  void reviewPairs(Time now, const std::vector<LookingStation>& stations);
+  std::vector<LookingStation> lookingStations(Time now) const;
   void startTargets(Time now);
   void merge(Time now);
   void learnAlignment(Time now);
@@ -136,7 +144,8 @@ class PositionScene {
   std::map<ViewKey, Local> locals_;
   std::map<std::uint32_t, Target> targets_;
   PositionHypotheses hypotheses_;
-  StationAlignment alignment_;                               // by number of the tracker
+  PositionHypotheses review_;   // of confirmed positions that two stations support
+  StationAlignment alignment_;  // by number of the tracker
   std::map<std::pair<std::uint32_t, ViewKey>, int> claims_;  // decisions in turn
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> meetings_;
   std::uint32_t next_id_ = 1;

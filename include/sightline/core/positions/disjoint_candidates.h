@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "sightline/core/positions/rays.h"
+
+namespace sightline::core {
+
+/// A local track: number of its station, id there.
+struct ViewKey {
+  int station = 0;
+  std::uint32_t track = 0;
+
+  friend bool operator==(const ViewKey& a, const ViewKey& b) {
+    return a.station == b.station && a.track == b.track;
+  }
+  friend bool operator<(const ViewKey& a, const ViewKey& b) {
+    return std::tie(a.station, a.track) < std::tie(b.station, b.track);
+  }
+};
+
+/// A set of local tracks, one a station at most, that may be one target.
+struct Candidate {
+  std::vector<ViewKey> members;  ///< ascending
+  double score = 0.0;            ///< log likelihood ratio to tracks without a partner, over the memory (P-10)
+  double margin = 0.0;           ///< by which the best explanation with it is better than the best without it
+  double fit_margin = 0.0;       ///< the same by the residuals alone (P-15)
+  double misfit = 0.0;           ///< chi-square less its degrees of freedom, mean over the memory
+  bool is_present = true;        ///< its rays cross now; false: they did within the memory
+  Intersection at;               ///< of one that is not present, the last point and degrees
+};
+
+bool areDisjoint(const Candidate& a, const Candidate& b);
+
+/// Whether all members of `a` are members of `b`.
+bool isWithin(const Candidate& a, const Candidate& b);
+
+/// Groups of candidates that share members, by index.
+std::vector<std::vector<int>> groupsOf(const std::vector<Candidate>& candidates);
+
+/// The set of disjoint candidates of a group with the largest sum of values > 0, one value for each
+/// candidate. `forbidden`: index of one that must not be in it, -1 = none. A search with a bound: exact for
+/// groups of up to about twenty, the best found in bounded time beyond (P-11).
+std::vector<int> bestOfGroup(const std::vector<Candidate>& candidates, const std::vector<double>& values,
+                             const std::vector<int>& group, int forbidden = -1);
+
+/// The same for all candidates, by their scores.
+std::vector<int> bestDisjoint(const std::vector<Candidate>& candidates, int forbidden = -1);
+
+}  // namespace sightline::core
