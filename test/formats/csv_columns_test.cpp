@@ -12,7 +12,7 @@ namespace {
 using namespace sightline::test;
 using namespace sightline::formats;
 
-CsvLayout layoutOf(const std::string& text, const std::string& columns = "") {
+CsvLayout csvLayout(const std::string& text, const std::string& columns = "") {
   ImportOptions options;
   options.columns = columns;
   return csvLayoutOf(TextFile("f", text), options);
@@ -28,7 +28,7 @@ TEST(CsvColumns, SeparatorsAreFoundInTheOrderOfTheirRarity) {
 
 TEST(CsvColumns, ColumnsAreFoundByThisPackagesNamesAndByAssignment) {
   const CsvLayout layout =
-      layoutOf("# x\n\nt,elevation,dir,azimuth,sensor\n", "time=t,azimuth=dir:deg:compass");
+      csvLayout("# x\n\nt,elevation,dir,azimuth,sensor\n", "time=t,azimuth=dir:deg:compass");
   EXPECT_EQ(layout.first_row, 4u);
   EXPECT_EQ(layout.columns.at("time").place, 0u);
   EXPECT_EQ(layout.columns.at("azimuth").place, 2u);
@@ -41,15 +41,15 @@ TEST(CsvColumns, ColumnsAreFoundByThisPackagesNamesAndByAssignment) {
 
 TEST(CsvColumns, NamesMayHoldColonsOfTheirOwn) {
   const CsvLayout layout =
-      layoutOf("UTC:s,az:deg,el:deg\n", "time=UTC:s:iso,azimuth=az:deg:deg:math,elevation=el:deg:deg");
+      csvLayout("UTC:s,az:deg,el:deg\n", "time=UTC:s:iso,azimuth=az:deg:deg:math,elevation=el:deg:deg");
   EXPECT_EQ(layout.columns.at("azimuth").name, "az:deg");
 }
 
 TEST(CsvColumns, WithoutAHeaderColumnsHaveNumbers) {
-  const CsvLayout layout = layoutOf("1.0 2.0 3.0\n", "time=#1,azimuth=#2:rad:math,elevation=#3:rad");
+  const CsvLayout layout = csvLayout("1.0 2.0 3.0\n", "time=#1,azimuth=#2:rad:math,elevation=#3:rad");
   EXPECT_EQ(layout.first_row, 1u);
   EXPECT_EQ(layout.names, (std::vector<std::string>{"#1", "#2", "#3"}));
-  EXPECT_TRUE(contains(refusal([] { layoutOf("1.0 2.0\n", "time=#3"); }),
+  EXPECT_TRUE(contains(refusal([] { csvLayout("1.0 2.0\n", "time=#3"); }),
                        "there is no column \"#3\"; there are #1, #2"));
 }
 

@@ -71,6 +71,10 @@ void fuzzArrivalOrder(RandomInput& input, Trial& trial) {
   for (int n = input.oneOf({10, 60, 150}); n > 0; --n) scans.push_back(source.next());
   std::stable_sort(scans.begin(), scans.end(),
                    [](const core::Scan& a, const core::Scan& b) { return core::precedes(a, b); });
+  // What has the same place in the order is one exposure for the tracker: it uses what comes first.
+  scans.erase(std::unique(scans.begin(), scans.end(),
+                          [](const core::Scan& a, const core::Scan& b) { return !core::precedes(a, b); }),
+              scans.end());
 
   struct Arrival {
     core::Time time;

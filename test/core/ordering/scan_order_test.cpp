@@ -56,38 +56,6 @@ TEST(ScanOrder, TrackletsAreOrderedLikeScansWithOneSighting) {
   expectInOrder(scans);
 }
 
-TEST(ScanOrder, WhatDiffersInAnythingStatedHasAnOrder) {
-  const auto changed = [](void (*change)(Scan&)) {
-    Scan scan = scanOf(1.0, "a", {0.3});
-    change(scan);
-    return scan;
-  };
-  const std::vector<Scan> others = {changed([](Scan& s) { s.sightings[0].covariance *= 2.0; }),
-                                    changed([](Scan& s) { s.sightings[0].snr = 5.0; }),
-                                    changed([](Scan& s) { s.ifov = 1e-3; }),
-                                    changed([](Scan& s) { s.detection_probability = 0.9; }),
-                                    changed([](Scan& s) { s.clutter_density = 1.0; }),
-                                    changed([](Scan& s) { s.noise_scale = 2.0; }),
-                                    changed([](Scan& s) { s.view.emplace(); })};
-  const Scan plain = scanOf(1.0, "a", {0.3});
-  EXPECT_FALSE(precedes(plain, plain));
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    EXPECT_NE(precedes(plain, others[i]), precedes(others[i], plain)) << i;
-    EXPECT_FALSE(precedes(others[i], others[i])) << i;
-    for (std::size_t j = 0; j < i; ++j)
-      EXPECT_NE(precedes(others[j], others[i]), precedes(others[i], others[j])) << i << " and " << j;
-  }
-}
-
-TEST(ScanOrder, TrackletsThatDifferInAnythingStatedHaveAnOrder) {
-  Tracklet plain = trackletOf(1.0, "a", 0.3), half = plain, fine = plain;
-  half.sightings = 0.5;
-  fine.ifov = 1e-3;
-  EXPECT_NE(precedes(plain, half), precedes(half, plain));
-  EXPECT_NE(precedes(plain, fine), precedes(fine, plain));
-  EXPECT_FALSE(precedes(plain, plain));
-}
-
 TEST(ScanOrder, OrdersOfBytesAreByTimeThenSensorThenBytes) {
   const std::vector<ScanOrder> orders = {{Time(durationOf(1.0)), "b", "x"},
                                          {Time(durationOf(2.0)), "a", "x"},

@@ -28,11 +28,10 @@ struct ScanOrder {
   }
 };
 
-/// Content: the directions of the sightings, in the order of the scan; of the same ones all else that is
-/// stated, as far as it changes what is made of them.
+/// Content: the directions of the sightings, in the order of the scan.
 bool precedes(const Scan& a, const Scan& b);
 
-/// Content: the direction of the tracklet's sighting, and all else as with scans.
+/// Content: the direction of the tracklet's sighting.
 bool precedes(const Tracklet& a, const Tracklet& b);
 
 /// When an item of a Timeline was sighted; every item type has such a function.
