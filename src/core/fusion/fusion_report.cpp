@@ -20,8 +20,7 @@ SourceTrack rowOf(const Supporter& supporter, Time now) {
   SourceTrack row;
   row.tracker = supporter.key.tracker;
   row.id = supporter.key.id;
-  if (std::isfinite(supporter.distance_squared) && supporter.distance_squared >= 0.0)
-    row.distance_squared = supporter.distance_squared;
+  if (std::isfinite(supporter.distance_squared)) row.distance_squared = supporter.distance_squared;
   row.age = seconds(now - supporter.reported);
   return row;
 }
