@@ -130,7 +130,8 @@ UpdateResult update(PositionBelief& belief, const DirectionUpdate& seen, double 
   Columns K;
   Eigen::Matrix2d R = seen.R;
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    const Eigen::Vector3d r = x.head<3>() - seen.origin;
+    const Eigen::Vector3d r =
+        x.head<3>() - seen.age * x.segment<3>(3) + 0.5 * seen.age * seen.age * x.segment<3>(6) - seen.origin;
     const double range = r.norm();
     const Eigen::Vector3d v = r / range;
     const double cosine = seen.direction.dot(v);
@@ -141,6 +142,8 @@ UpdateResult update(PositionBelief& belief, const DirectionUpdate& seen, double 
     }
     const Matrix23d B = basisNear(seen.basis, v);
     H.leftCols<3>() = B / range;
+    H.middleCols<3>(3) = -seen.age / range * B;
+    H.middleCols<3>(6) = 0.5 * seen.age * seen.age / range * B;
     Eigen::Vector2d residual = B * seen.direction / cosine;
     if (seen.slot >= 0) {
       H.middleCols<2>(at).setIdentity();
@@ -198,7 +201,8 @@ UpdateResult updateAlone(PositionBelief& belief, const DirectionUpdate& seen,
 
   Rows H = Rows::Zero(2, n);
   H.leftCols<2>().setIdentity();
-  Eigen::Vector2d residual = B * seen.direction / cosine;
+  H.middleCols<3>(3) = -seen.age * B;
+  Eigen::Vector2d residual = B * seen.direction / cosine + seen.age / range * B * x.segment<3>(3);
   if (seen.slot >= 0) {
     H.middleCols<2>(at).setIdentity();
     residual -= x.segment<2>(at);

@@ -20,7 +20,7 @@ std::shared_ptr<PositionEstimator> PositionScene::estimatorFrom(const std::set<V
     return a.first == b.first ? a.second->station < b.second->station : a.first < b.first;
   });
   auto estimator = std::make_shared<PositionEstimator>(params_->estimator);
-  for (const auto& [key, measurement] : all) estimator->update(*measurement);
+  for (const auto& [key, measurement] : all) estimator->update(corrected(key, *measurement));
   return estimator;
 }
 

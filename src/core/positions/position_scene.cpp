@@ -41,7 +41,9 @@ PositionScene::PositionScene(const PositionSceneParams& params)
     : params_(std::make_shared<const PositionSceneParams>(checked(params))),
       hypotheses_(params.hypotheses),
       review_(params.hypotheses),
-      alignment_(params.alignment) {
+      alignment_(params.alignment),
+      common_alignment_(params.alignment),
+      corrections_(params.correction, params.alignment) {
   PositionEstimator{params.estimator};  // both throw for a parameter out of range
   StationNoise{params.noise};
 }
@@ -87,7 +89,11 @@ void PositionScene::take(const StationTracklet& in) {
   measurement.ray.origin = in.pose.origin;
   measurement.ray.direction = sighting.direction.normalized();
   measurement.ray.covariance = sighting.covariance;
-  measurement.ray.motion = RayMotion{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity(), in.pose.velocity};
+  measurement.ray.motion = RayMotion{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero(), in.pose.velocity};
+  if (local.view.ray.motion) {  // of the track: what a wrong clock is put right with
+    measurement.ray.motion->rate = local.view.ray.motion->rate;
+    measurement.ray.motion->covariance = local.view.ray.motion->covariance;
+  }
   measurement.slow = sensors_[static_cast<std::size_t>(sensor)].noise.slowError(local.reference);
   local.recent.push_back(measurement);
   const auto old = std::find_if(local.recent.begin(), local.recent.end(), [&](const StationMeasurement& m) {
@@ -97,7 +103,7 @@ void PositionScene::take(const StationTracklet& in) {
   if (local.recent.size() > kMostRecent) local.recent.erase(local.recent.begin());
 
   const auto target = targets_.find(local.target);
-  if (target != targets_.end()) feed(target->second, measurement, local.reference);
+  if (target != targets_.end()) feed(target->second, corrected(key, measurement), local.reference);
 }
 
 /// One more measurement of a target; its estimator is copied first when a snapshot shares it.
@@ -136,6 +142,7 @@ void PositionScene::take(const StationTracks& in) {
     if (!locals_.count(key) && static_cast<int>(locals_.size()) >= params_->max_local_tracks) continue;
     reported.insert(track.id);
     Local& local = locals_[key];
+    if (!local.is_reported) local.since = in.time;
     local.time = in.time;
     local.is_reported = track.status == TrackStatus::confirmed;
     local.view.key = key;
@@ -191,8 +198,16 @@ void PositionScene::dissolve(std::uint32_t id) {
   targets_.erase(id);
 }
 
-/// What a local track says `now`: moved on at its rates, slow errors of its sensors in the covariance.
+/// What a local track says `now`, put right by what is known of its station.
 LocalView PositionScene::viewAt(const Local& local, Time now) const {
+  LocalView view = statedViewAt(local, now);
+  if (const StationCorrection* correction = corrections_.of(view.key.station))
+    view.ray = core::corrected(view.ray, *correction);
+  return view;
+}
+
+/// What a local track says `now`: moved on at its rates, slow errors of its sensors in the covariance.
+LocalView PositionScene::statedViewAt(const Local& local, Time now) const {
   LocalView view = local.view;
   const double h = seconds(now - local.time);
   Ray& ray = view.ray;
@@ -221,6 +236,7 @@ void PositionScene::decide(Time now) {
   startTargets(now);
   merge(now);
   learnAlignment(now);
+  correctStations(now);
   decided_ = now;
 }
 
@@ -304,14 +320,7 @@ PositionOutput PositionScene::output(Time time) const {
   }
   std::sort(out.report.unlocated.begin(), out.report.unlocated.end(),
             [](const UnlocatedTrack& a, const UnlocatedTrack& b) { return a.source < b.source; });
-  for (const Sensor& sensor : sensors_) {
-    out.report.stations.push_back({trackers_[static_cast<std::size_t>(sensor.tracker)].name, sensor.name,
-                                   sensor.noise.slowScale(), sensor.noise.timeConstant(),
-                                   alignment_.of(sensor.tracker)});
-  }
-  std::sort(out.report.stations.begin(), out.report.stations.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.tracker, a.sensor) < std::tie(b.tracker, b.sensor);
-  });
+  out.report.stations = stationReports();
   return out;
 }
 

@@ -1,6 +1,7 @@
 #include "sightline/core/positions/station_alignment.h"
 
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <vector>
 
@@ -16,6 +17,10 @@ using Vector = Eigen::Vector3d;
 constexpr double kSigma = 5e-4;      // [rad]
 constexpr double kRateSigma = 2e-3;  // [rad/s]
 const std::vector<Vector> kOrigins{{0, 0, 0}, {100, 0, 2}, {90, 110, 5}, {-30, 90, 1}};
+
+LocalView viewOf(std::size_t station, int target, const Ray& ray) {
+  return {{static_cast<int>(station), static_cast<std::uint32_t>(target + 1)}, ray};
+}
 
 struct Fault {
   double clock = 0.0;  // stamps later than they should be [s]
@@ -51,7 +56,7 @@ StationAlignment aligned(const std::vector<Fault>& faults, double duration, std:
       // Pairs of n rays share errors: each counts for 2/n of a sample of its own.
       for (std::size_t a = 0; a < rays.size(); ++a)
         for (std::size_t b = a + 1; b < rays.size(); ++b)
-          alignment.take(static_cast<int>(a), rays[a], static_cast<int>(b), rays[b],
+          alignment.take(Time(durationOf(t)), viewOf(a, target, rays[a]), viewOf(b, target, rays[b]),
                          2.0 / static_cast<double>(rays.size()));
     }
   }
@@ -116,7 +121,7 @@ TEST(StationAlignment, TargetsAtRestTellNoClock) {
       ray.motion = RayMotion{Vector::Zero(), kRateSigma * kRateSigma * across, Vector::Zero()};
       rays.push_back(ray);
     }
-    alignment.take(0, rays[0], 1, rays[1], 1.0);
+    alignment.take(Time(durationOf(0.1 * i)), viewOf(0, 0, rays[0]), viewOf(1, 0, rays[1]), 1.0);
   }
   EXPECT_NEAR(alignment.clockDifference(0, 1)->sigma, std::sqrt(2.0) * params.clock_sigma, 1e-6);
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
@@ -11,15 +10,10 @@
 #include "sightline/core/model/field_of_view.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/positions/disjoint_candidates.h"
+#include "sightline/core/positions/local_view.h"
 #include "sightline/core/positions/rays.h"
 
 namespace sightline::core {
-
-/// What a local track says now: a ray with its rate, slow errors of its sensors in the covariance.
-struct LocalView {
-  ViewKey key;
-  Ray ray;
-};
 
 /// A station that looks, whether it sees anything or not.
 struct LookingStation {

@@ -55,7 +55,9 @@ struct StationReport {
   double slow_scale = 1.0;     ///< sigma of its slow error over what is stated and not white noise [1]
   double time_constant = 3.0;  ///< of it [s]
   std::optional<StationAlignmentEstimate>
-      alignment;  ///< of its station, when targets have told something of it
+      alignment;              ///< of its station, when targets have told something of it
+  bool is_corrected = false;  ///< its directions are put right by `alignment`
+  bool is_undecided = false;  ///< it or another station is off, and nobody can tell which
 };
 
 struct PositionReport {
