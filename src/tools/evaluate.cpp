@@ -1,16 +1,25 @@
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
+#include <string>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <vector>
 
 #include <ros/package.h>
 
 #include "sightline/report/command_line.h"
+#include "sightline/report/output_file.h"
 #include "sightline/ros/recordings/bag_evaluation.h"
+#include "sightline/ros/recordings/bags.h"
+#include "sightline/ros/recordings/report_data.h"
 
 namespace {
 
+namespace fs = std::filesystem;
 using sightline::report::CommandLine;
 using sightline::report::NumberRange;
 using sightline::report::UsageError;
@@ -53,12 +62,16 @@ const char* const kUsage =
     "each "
     "of its\n"
     "                         targets), errors.csv, gospa.csv\n"
-    "  --plots DIR            writes the same, and pictures of errors, consistency and GOSPA over time\n";
+    "  --plots DIR            writes the same, and pictures of errors, consistency and GOSPA over time\n"
+    "  --html FILE            writes a report to send on: one page with plots that zoom, and the tables. "
+    "Without "
+    "--truth it\n"
+    "                         compares with the recording's own truth (/truth, /truth/positions), where it "
+    "has one\n"
+    "  --against OTHER.bag    in the report, a second recording side by side, and what differs\n";
 
-/// The installed script beside this program, or that of the source folder.
-std::string plotScript() {
-  namespace fs = std::filesystem;
-  const std::string name = "plot_evaluation";
+/// An installed script beside this program, or that of the source folder.
+std::string scriptNamed(const std::string& name) {
   const fs::path beside = fs::read_symlink("/proc/self/exe").parent_path() / name;
   if (fs::exists(beside)) return beside.string();
   const fs::path source = fs::path(ros::package::getPath("sightline")) / "scripts" / name;
@@ -67,18 +80,72 @@ std::string plotScript() {
                            ": the script that draws is neither beside this program nor in the package");
 }
 
-void draw(const std::string& folder) {
-  const std::string script = plotScript();
+/// Whether the script ended well.
+bool runScript(const std::string& name, const std::vector<std::string>& arguments) {
+  const std::string script = scriptNamed(name);
+  std::vector<char*> words{const_cast<char*>(script.c_str())};
+  for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
+  words.push_back(nullptr);
   std::cout.flush();
   const pid_t child = fork();
   if (child == 0) {
-    execl(script.c_str(), script.c_str(), folder.c_str(), static_cast<char*>(nullptr));
+    execv(script.c_str(), words.data());
     _exit(127);
   }
   int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw std::runtime_error(script + " failed; the files that it draws are in " + folder);
+  return child > 0 && waitpid(child, &status, 0) > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+void draw(const std::string& folder) {
+  if (!runScript("plot_evaluation", {folder}))
+    throw std::runtime_error("plot_evaluation failed; the files that it draws are in " + folder);
+}
+
+/// A folder that is removed with all that is in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "sightline_report_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr)
+      throw std::runtime_error(name + ": the folder cannot be made: " + std::strerror(errno));
+    path_ = name;
   }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  fs::path path_;
+};
+
+/// Writes the page; returns the tables.
+std::string report(const std::vector<std::string>& bags, const std::string& page, bool finds_truth,
+                   sightline_ros::BagEvaluationSettings settings) {
+  std::vector<std::string> inputs = bags;
+  inputs.push_back(settings.truth);
+  sightline::report::OutputFile file(page, inputs);
+  if (!runScript("report_evaluation", {"--check"}))
+    throw std::runtime_error(page + ": not written, as report_evaluation cannot run");
+  const TemporaryFolder folder;
+  std::vector<std::string> arguments{file.unfinished()};
+  std::string tables;
+  for (const std::string& bag : bags) {
+    std::vector<std::string> truths;
+    if (!settings.truth.empty()) truths = {settings.truth};
+    if (finds_truth) truths = sightline_ros::truthTopicsOf(*sightline_ros::openBag(bag));
+    settings.csv = folder.file(arguments.size() == 1 ? "this" : "other");
+    arguments.push_back(settings.csv);
+    if (bags.size() > 1) tables += (tables.empty() ? "" : "\n") + bag + ":\n";
+    tables += sightline_ros::evaluateForReport(bag, truths, settings);
+  }
+  if (!runScript("report_evaluation", arguments)) throw std::runtime_error(page + ": not written");
+  file.finish();
+  return tables + page + "\n";
 }
 
 sightline::core::EvaluationParams paramsFrom(const CommandLine& line) {
@@ -95,10 +162,11 @@ sightline::core::EvaluationParams paramsFrom(const CommandLine& line) {
 }
 
 void evaluate(const std::vector<std::string>& words) {
-  const CommandLine line(words,
-                         {"--truth", "--settle", "--truth-gap", "--match-gate", "--sighting-gate",
-                          "--sighting-floor", "--gospa-c", "--gospa-c-m", "--csv", "--plots"},
-                         1, 1, {"--azimuth-only", "--no-truth"});
+  const CommandLine line(
+      words,
+      {"--truth", "--settle", "--truth-gap", "--match-gate", "--sighting-gate", "--sighting-floor",
+       "--gospa-c", "--gospa-c-m", "--csv", "--plots", "--html", "--against"},
+      1, 1, {"--azimuth-only", "--no-truth"});
   if (line.has("--no-truth") && line.has("--truth"))
     throw UsageError("--truth and --no-truth exclude each other: give one");
 
@@ -107,13 +175,22 @@ void evaluate(const std::vector<std::string>& words) {
   const std::string plots = line.option("--plots", "");
   if (!plots.empty() && line.has("--csv"))
     throw UsageError("--plots DIR writes the files of --csv as well: give one");
+  const std::string page = line.option("--html", "");
+  if (line.has("--against") && page.empty())
+    throw UsageError("--against OTHER.bag is of the report: give --html FILE as well");
+  if (!page.empty() && (line.has("--csv") || !plots.empty()))
+    throw UsageError("--html FILE excludes --csv and --plots: give them in a run of their own");
   settings.csv = line.option("--csv", plots);
   settings.evaluation = paramsFrom(line);
   settings.positions.gospa_cutoff =
       line.number("--gospa-c-m", settings.positions.gospa_cutoff, NumberRange::above_zero);
   settings.positions.settle = settings.evaluation.settle_time;
 
-  std::cout << sightline_ros::evaluateBag(line.arguments()[0], settings);
+  std::vector<std::string> bags{line.arguments()[0]};
+  if (line.has("--against")) bags.push_back(line.option("--against", ""));
+  const bool finds_truth = !line.has("--truth") && !line.has("--no-truth");
+  std::cout << (page.empty() ? sightline_ros::evaluateBag(bags[0], settings)
+                             : report(bags, page, finds_truth, settings));
   if (!plots.empty()) draw(plots);
 }
 
