@@ -8,11 +8,11 @@
 
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
-#include "sightline/ros/nodes/this_node.h"
 
 namespace sightline_ros {
 namespace {
 
+constexpr std::uint32_t kAdapterQueue = 1000;  // messages a topic
 using Kind = AdapterTopic::Kind;
 
 constexpr double kCameraWarning = 60.0;  // between two of them, while a camera zooms [s]
@@ -44,11 +44,12 @@ SightingAdapterNode::SightingAdapterNode(ros::NodeHandle nh, const ros::NodeHand
 }
 
 void SightingAdapterNode::start(Source& source) {
-  source.sightings = nh_.advertise<sightline::SightingArray>(source.topic.output, kQueue);
+  source.sightings = nh_.advertise<sightline::SightingArray>(source.topic.output, kAdapterQueue);
   if (!source.topic.camera_info.empty()) {
     const boost::function<void(const sensor_msgs::CameraInfo::ConstPtr&)> take =
         [this, &source](const sensor_msgs::CameraInfo::ConstPtr& camera) { onCameraInfo(source, *camera); };
-    source.camera_info = nh_.subscribe<sensor_msgs::CameraInfo>(source.topic.camera_info, kQueue, take);
+    source.camera_info =
+        nh_.subscribe<sensor_msgs::CameraInfo>(source.topic.camera_info, kAdapterQueue, take);
   }
   switch (source.topic.kind) {
     case Kind::direction:
@@ -76,7 +77,7 @@ void SightingAdapterNode::start(Source& source) {
   const boost::function<void(const topic_tools::ShapeShifter::ConstPtr&)> take =
       [this, &source](const topic_tools::ShapeShifter::ConstPtr& message) { onAnyMessage(source, *message); };
   source.messages = nh_.subscribe<topic_tools::ShapeShifter>(
-      source.topic.topic, kQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+      source.topic.topic, kAdapterQueue, take, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
 }
 
 template <typename Message>
@@ -85,7 +86,7 @@ void SightingAdapterNode::subscribe(Source& source) {
       [this, &source](const boost::shared_ptr<const Message>& message) {
         publish(source, read(*message, source.topic, source.rays ? &*source.rays : nullptr));
       };
-  source.messages = nh_.subscribe<Message>(source.topic.topic, kQueue, take, ros::VoidConstPtr(),
+  source.messages = nh_.subscribe<Message>(source.topic.topic, kAdapterQueue, take, ros::VoidConstPtr(),
                                            ros::TransportHints().tcpNoDelay());
 }
 

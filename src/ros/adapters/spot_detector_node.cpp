@@ -15,7 +15,6 @@
 #include "sightline/ros/adapters/adapter_reading.h"
 #include "sightline/ros/messages/clock.h"
 #include "sightline/ros/messages/conversions.h"
-#include "sightline/ros/nodes/this_node.h"
 
 namespace sightline_ros {
 
@@ -23,8 +22,9 @@ namespace core = sightline::core;
 
 namespace {
 
-constexpr std::uint32_t kImageQueue = 5;  // images: old ones are of no use to a live tracker
-constexpr double kWarning = 60.0;         // between two of the same kind [s]
+constexpr std::uint32_t kDetectorQueue = 1000;  // messages a topic
+constexpr std::uint32_t kImageQueue = 5;        // images: old ones are of no use to a live tracker
+constexpr double kWarning = 60.0;               // between two of the same kind [s]
 
 /// The namespace in which the node runs without the leading slash, or its own name in the root.
 std::string sensorNamedAfter(const ros::NodeHandle& nh, const ros::NodeHandle& pnh) {
@@ -55,11 +55,11 @@ SpotDetectorNode::SpotDetectorNode(ros::NodeHandle nh, const ros::NodeHandle& pn
 
   diagnostics_.emplace(nh, pnh, "detecting",
                        [this](auto& status, double elapsed) { diagnose(status, elapsed); });
-  sightings_ = nh_.advertise<sightline::SightingArray>("sightings", kQueue);
+  sightings_ = nh_.advertise<sightline::SightingArray>("sightings", kDetectorQueue);
   if (params_.field_of_view.isZero()) {
     const boost::function<void(const sensor_msgs::CameraInfo::ConstPtr&)> take =
         [this](const sensor_msgs::CameraInfo::ConstPtr& camera) { onCameraInfo(*camera); };
-    camera_info_ = nh_.subscribe<sensor_msgs::CameraInfo>("camera_info", kQueue, take);
+    camera_info_ = nh_.subscribe<sensor_msgs::CameraInfo>("camera_info", kDetectorQueue, take);
   }
   images_ = transport_.subscribe(
       "image", kImageQueue, [this](const sensor_msgs::Image::ConstPtr& image) { onImage(image); }, {},

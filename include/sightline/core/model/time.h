@@ -24,14 +24,8 @@ inline double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-/// A hundred years: what is longer is as long, so that sums of stamps and durations do not overflow.
-constexpr Duration kLongestDuration = std::chrono::hours(24 * 36525);
-
-/// The duration nearest to a length [s], of at most kLongestDuration in size; NaN gives zero.
+/// The duration nearest to a length [s].
 inline Duration durationOf(double length_s) {
-  constexpr double kLongest = std::chrono::duration<double>(kLongestDuration).count();
-  if (std::isnan(length_s)) return Duration::zero();
-  if (std::abs(length_s) >= kLongest) return length_s > 0.0 ? kLongestDuration : -kLongestDuration;
   return Duration(static_cast<std::int64_t>(std::llround(length_s * 1e9)));
 }
 
