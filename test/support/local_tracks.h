@@ -10,12 +10,10 @@
 #include "sightline/core/fusion/fusion_report.h"
 #include "sightline/core/fusion/local_reports.h"
 
+#include "support/times.h"
+
 /// Local tracks as a tracker would report them, for tests of the fusion.
 namespace sightline::test {
-
-inline core::Time at(double t) {
-  return core::Time(core::durationOf(t));
-}
 
 /// Covariance of a Kalman filter in its steady state: position sigma [rad], memory about `memory` seconds.
 inline Eigen::Matrix4d steadyCovariance(double sigma, double memory = 0.2) {

@@ -4,6 +4,7 @@
 #include <iterator>
 
 namespace sightline::core {
+
 std::uint64_t Appearances::Appearance::most() const {
   std::uint64_t most = 0;
   for (const auto& [track, reports] : with_track) most = std::max(most, reports);

@@ -79,10 +79,10 @@ std::vector<std::vector<int>> groupsOf(const std::vector<Candidate>& candidates)
 }
 
 std::vector<int> bestOfGroup(const std::vector<Candidate>& candidates, const std::vector<double>& values,
-                             const std::vector<int>& group, int forbidden) {
+                             const std::vector<int>& group) {
   std::vector<int> order;
   for (const int i : group)
-    if (i != forbidden && values[static_cast<std::size_t>(i)] > 0.0) order.push_back(i);
+    if (values[static_cast<std::size_t>(i)] > 0.0) order.push_back(i);
   std::sort(order.begin(), order.end(), [&](int a, int b) {
     const double x = values[static_cast<std::size_t>(a)], y = values[static_cast<std::size_t>(b)];
     return x != y ? x > y
@@ -94,18 +94,6 @@ std::vector<int> bestOfGroup(const std::vector<Candidate>& candidates, const std
     search.rest[i] = search.rest[i + 1] + values[static_cast<std::size_t>(order[i])];
   search.run(0, 0.0);
   return search.best;
-}
-
-std::vector<int> bestDisjoint(const std::vector<Candidate>& candidates, int forbidden) {
-  std::vector<double> scores;
-  for (const Candidate& candidate : candidates) scores.push_back(candidate.score);
-  std::vector<int> all;
-  for (const std::vector<int>& group : groupsOf(candidates)) {
-    const std::vector<int> best = bestOfGroup(candidates, scores, group, forbidden);
-    all.insert(all.end(), best.begin(), best.end());
-  }
-  std::sort(all.begin(), all.end());
-  return all;
 }
 
 }  // namespace sightline::core

@@ -9,6 +9,16 @@
 #include "sightline/core/positions/position_scene.h"
 
 namespace sightline::core {
+namespace {
+
+/// How many of the candidate's tracks are among the supporters.
+std::size_t sharedWith(const std::set<ViewKey>& supporters, const Candidate& candidate) {
+  return static_cast<std::size_t>(
+      std::count_if(candidate.members.begin(), candidate.members.end(),
+                    [&](const ViewKey& key) { return supporters.count(key) > 0; }));
+}
+
+}  // namespace
 
 /// An estimator that has taken the last measurements of all members, in order.
 std::shared_ptr<PositionEstimator> PositionScene::estimatorFrom(const std::set<ViewKey>& members) const {
@@ -36,10 +46,9 @@ void PositionScene::reviewProbation() {
   for (auto& [id, target] : targets_) {
     if (!isOnProbation(target)) continue;
     const std::vector<ViewKey> supporters(target.supporters.begin(), target.supporters.end());
-    const auto contradicts = [&](const Candidate& candidate) {
-      const auto shared = std::count_if(candidate.members.begin(), candidate.members.end(),
-                                        [&](const ViewKey& key) { return target.supporters.count(key) > 0; });
-      return shared > 0 && shared < static_cast<std::ptrdiff_t>(candidate.members.size());
+    const auto contradicts = [&, &supporters = target.supporters](const Candidate& candidate) {
+      const std::size_t shared = sharedWith(supporters, candidate);
+      return shared > 0 && shared < candidate.members.size();
     };
     const auto larger =
         std::find_if(decision_.targets.begin(), decision_.targets.end(), [&](const Candidate& candidate) {
@@ -81,8 +90,7 @@ void PositionScene::reviewPairs(Time now, const std::vector<LookingStation>& sta
   const double h = decided_ ? std::max(seconds(now - *decided_), 0.0) : 0.0;
   std::vector<LocalView> views;  // free ones first
   for (const auto& [key, local] : locals_)
-    if (local.target == 0 && local.is_reported && seconds(now - local.time) <= kFreshestView)
-      views.push_back(viewAt(local, now));
+    if (local.target == 0 && speaksAt(local, now)) views.push_back(viewAt(local, now));
   const std::size_t free = views.size();
   const double gate = params_->hypotheses.gate * params_->hypotheses.gate;
   const auto crossesFreeOne = [&](const LocalView& view) {
@@ -99,8 +107,7 @@ void PositionScene::reviewPairs(Time now, const std::vector<LookingStation>& sta
     std::vector<LocalView> supporters;
     for (const ViewKey& key : target.supporters) {
       const Local& local = locals_.at(key);
-      if (local.is_reported && seconds(now - local.time) <= kFreshestView)
-        supporters.push_back(viewAt(local, now));
+      if (speaksAt(local, now)) supporters.push_back(viewAt(local, now));
     }
     if (supporters.size() < 2 || std::none_of(supporters.begin(), supporters.end(), crossesFreeOne)) continue;
     reviewed.push_back(id);
@@ -110,14 +117,12 @@ void PositionScene::reviewPairs(Time now, const std::vector<LookingStation>& sta
   if (!reviewed.empty()) decision = review_.decide(now, std::move(views), stations);
   std::vector<std::uint32_t> wrong;
   for (auto& [id, target] : targets_) {
+    const std::set<ViewKey>& supporters = target.supporters;
     const bool is_doubted =
         std::binary_search(reviewed.begin(), reviewed.end(), id) &&
         std::any_of(decision.targets.begin(), decision.targets.end(), [&](const Candidate& candidate) {
-          const auto shared =
-              std::count_if(candidate.members.begin(), candidate.members.end(),
-                            [&](const ViewKey& key) { return target.supporters.count(key) > 0; });
-          return candidate.members.size() > 2 && shared > 0 &&
-                 shared < static_cast<std::ptrdiff_t>(target.supporters.size());
+          const std::size_t shared = sharedWith(supporters, candidate);
+          return candidate.members.size() > 2 && shared > 0 && shared < supporters.size();
         });
     target.doubted = is_doubted ? target.doubted + h : std::max(target.doubted - h, 0.0);
     if (target.doubted > params_->contradiction_time) wrong.push_back(id);
@@ -134,8 +139,7 @@ void PositionScene::startTargets(Time now) {
     const auto target = targets_.find(local.target);
     const bool is_open =
         target == targets_.end() || target->second.lost.has_value() || isOnProbation(target->second);
-    if (is_open && local.is_reported && seconds(now - local.time) <= kFreshestView)
-      views.push_back(viewAt(local, now));
+    if (is_open && speaksAt(local, now)) views.push_back(viewAt(local, now));
   }
   decision_ = hypotheses_.decide(now, std::move(views), stations);
   reviewProbation();

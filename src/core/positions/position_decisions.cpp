@@ -56,7 +56,7 @@ void PositionScene::checkSupporters(Time now) {
     std::pair<double, ViewKey> worst{0.0, {}};
     for (const ViewKey& key : target.supporters) {
       const Local& local = locals_.at(key);
-      if (!local.is_reported || seconds(now - local.time) > kFreshestView) continue;
+      if (!speaksAt(local, now)) continue;
       const auto distance = distanceOf(viewAt(local, now), *state, false);
       double& contradicted = target.contradicted[key];
       const bool is_wrong = !distance || *distance > params_->contradiction;
@@ -87,8 +87,7 @@ void PositionScene::claim(Time now) {
     for (auto it = locals_.lower_bound({station, 0}); it != locals_.end() && it->first.station == station;
          ++it) {
       const Local& local = it->second;
-      if (local.target == 0 && local.is_reported && seconds(now - local.time) <= kFreshestView)
-        views.push_back(viewAt(local, now));
+      if (local.target == 0 && speaksAt(local, now)) views.push_back(viewAt(local, now));
     }
     if (views.empty()) continue;
     std::sort(views.begin(), views.end(), [](const LocalView& a, const LocalView& b) {
@@ -226,8 +225,7 @@ void PositionScene::learnAlignment(Time now) {
     std::vector<LocalView> views;
     for (const ViewKey& key : target.supporters) {
       const Local& local = locals_.at(key);
-      if (local.is_reported && seconds(now - local.time) <= kFreshestView)
-        views.push_back(viewAt(local, now));
+      if (speaksAt(local, now)) views.push_back(viewAt(local, now));
     }
     if (views.size() < 2) continue;
     // Slow errors make what is said within two time constants the same; pairs of n rays share errors.

@@ -210,6 +210,7 @@ std::vector<Candidate> PositionHypotheses::candidatesOf(const std::vector<LocalV
 /// crossed within the memory and do not now are kept as rivals: noise may spoil a crossing for an instant.
 void PositionHypotheses::remember(Time now, const std::vector<LocalView>& views,
                                   std::vector<Candidate>& candidates) {
+  const auto shareOfNew = [this](double h) { return 1.0 - std::exp(-std::max(h, 0.0) / params_.memory); };
   for (Candidate& candidate : candidates) {
     const double misfit = candidate.at.chi_square - candidate.at.degrees;
     auto found = memory_.find(candidate.members);
@@ -221,7 +222,7 @@ void PositionHypotheses::remember(Time now, const std::vector<LocalView>& views,
       continue;
     }
     Memory& memory = found->second;
-    const double share = 1.0 - std::exp(-std::max(seconds(now - memory.last), 0.0) / params_.memory);
+    const double share = shareOfNew(seconds(now - memory.last));
     memory.score += share * (candidate.score - memory.score);
     memory.misfit += share * (misfit - memory.misfit);
     memory.degrees = candidate.at.degrees;
@@ -246,7 +247,7 @@ void PositionHypotheses::remember(Time now, const std::vector<LocalView>& views,
     const bool is_absent = it->first.size() == 2 && memory.fitted != now &&
                            std::all_of(it->first.begin(), it->first.end(), isSeen);
     if (is_absent) {
-      const double share = 1.0 - std::exp(-std::max(seconds(now - memory.last), 0.0) / params_.memory);
+      const double share = shareOfNew(seconds(now - memory.last));
       memory.misfit += share * ((gate - 1.0) * memory.degrees - memory.misfit);
       memory.last = now;
       Candidate candidate;
@@ -300,9 +301,9 @@ void PositionHypotheses::judge(const std::vector<Candidate>& candidates, const s
 
   std::vector<int> accepted;
   std::vector<Candidate> judged;
-  for (const int i : group) judged.push_back(candidates[static_cast<std::size_t>(i)]);
-  for (const int i : chosen) {
-    Candidate candidate = candidates[static_cast<std::size_t>(i)];
+  for (const int i : group) {
+    Candidate& candidate = judged.emplace_back(candidates[static_cast<std::size_t>(i)]);
+    if (std::find(chosen.begin(), chosen.end(), i) == chosen.end()) continue;
     // The best explanation without it; a part of it, or more than it, is no other explanation.
     std::vector<int> others;
     for (const int j : group) {
@@ -313,7 +314,6 @@ void PositionHypotheses::judge(const std::vector<Candidate>& candidates, const s
     candidate.fit_margin = partner;
     if (candidate.members.size() == 2)
       candidate.fit_margin = best_fit - sumOf(fits, bestOfGroup(candidates, fits, others));
-    judged[static_cast<std::size_t>(std::find(group.begin(), group.end(), i) - group.begin())] = candidate;
     const bool is_target = candidate.score >= params_.least_score &&
                            candidate.margin >= params_.least_margin &&
                            candidate.fit_margin >= params_.least_fit_margin;

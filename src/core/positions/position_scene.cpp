@@ -167,6 +167,11 @@ void PositionScene::take(const StationTracks& in) {
   if (!decided_ || seconds(in.time - *decided_) >= params_->decision_interval) decide(in.time);
 }
 
+/// Its tracker reports it as confirmed, and did so just now.
+bool PositionScene::speaksAt(const Local& local, Time now) {
+  return local.is_reported && seconds(now - local.time) <= kFreshestView;
+}
+
 /// How many support it.
 int PositionScene::stationsOf(const Target& target) {
   std::set<int> stations;

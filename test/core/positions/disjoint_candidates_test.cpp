@@ -18,8 +18,9 @@ Candidate made(std::vector<ViewKey> members, double score) {
 TEST(DisjointCandidates, TheBestSetIsNotThatOfTheBestCandidate) {
   const std::vector<Candidate> candidates{made({{0, 1}, {1, 2}}, 10.0), made({{0, 1}, {1, 1}}, 7.0),
                                           made({{0, 2}, {1, 2}}, 7.0), made({{0, 3}, {1, 3}}, -1.0)};
-  EXPECT_EQ(bestDisjoint(candidates), (std::vector<int>{1, 2}));
-  EXPECT_EQ(bestDisjoint(candidates, 1), (std::vector<int>{0}));
+  const std::vector<double> scores{10.0, 7.0, 7.0, -1.0};
+  EXPECT_EQ(bestOfGroup(candidates, scores, {0, 1, 2, 3}), (std::vector<int>{1, 2}));
+  EXPECT_EQ(bestOfGroup(candidates, scores, {0, 2, 3}), (std::vector<int>{0}));
 }
 
 TEST(DisjointCandidates, CandidatesThatShareTracksAreOneGroup) {
@@ -32,7 +33,7 @@ TEST(DisjointCandidates, ValuesDecideAndThoseThatAreNotPositiveAreLeftOut) {
   const std::vector<Candidate> candidates{made({{0, 1}, {1, 2}}, 10.0), made({{0, 1}, {1, 1}}, 7.0),
                                           made({{0, 2}, {1, 2}}, 7.0)};
   EXPECT_EQ(bestOfGroup(candidates, {5.0, 1.0, 0.0}, {0, 1, 2}), (std::vector<int>{0}));
-  EXPECT_EQ(bestOfGroup(candidates, {5.0, 1.0, 0.0}, {0, 1, 2}, 0), (std::vector<int>{1}));
+  EXPECT_EQ(bestOfGroup(candidates, {5.0, 1.0, 0.0}, {1, 2}), (std::vector<int>{1}));
 }
 
 TEST(DisjointCandidates, SharedAndContainedTracksAreFound) {

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "simulated_stations.h"
+#include "support/times.h"
 
 // Allocations are counted at malloc, because Eigen does not go by operator new. A sanitizer has a malloc of
 // its own.
@@ -36,15 +37,12 @@ std::atomic<long> allocations{0};
 namespace sightline::core {
 namespace {
 
+using test::at;
 using test::SimulatedStation;
 using test::WanderingTarget;
 using Vector = Eigen::Vector3d;
 
 constexpr double kStep = 0.04;  // [s] between sightings of one station
-
-Time timeAt(double seconds) {
-  return Time(durationOf(seconds));
-}
 
 std::vector<SimulatedStation> field(int stations, double white, const SlowError& slow, std::uint64_t seed,
                                     double unit = 1.0) {
@@ -77,7 +75,7 @@ TEST(PositionEstimator, FollowsATargetWithAnHonestCovarianceAndWithoutAStationsE
       const auto& now = target.advance(kStep);
       for (auto& station : stations) estimator.update(station.see(i * kStep, now.position));
       if (i < 50 || i % 25) continue;
-      const auto state = estimator.stateAt(timeAt(i * kStep));
+      const auto state = estimator.stateAt(at(i * kStep));
       ASSERT_TRUE(state);
       ASSERT_TRUE(estimator.isPosition(*state));
       sum += nees(*state, now.position);
@@ -106,7 +104,7 @@ TEST(PositionEstimator, SlowErrorsOfStationsAreInItsCovariance) {
       const auto& now = target.advance(kStep);
       for (auto& station : stations) estimator.update(station.see(i * kStep, now.position));
       if (i < 50 || i % 25) continue;
-      sum += nees(*estimator.stateAt(timeAt(i * kStep)), now.position);
+      sum += nees(*estimator.stateAt(at(i * kStep)), now.position);
       ++count;
     }
   }
@@ -124,7 +122,7 @@ TEST(PositionEstimator, UnitsMakeNoDifference) {
       const auto& now = target.advance(kStep);
       for (auto& station : stations) estimator.update(station.see(i * kStep, now.position));
     }
-    found.push_back(estimator.stateAt(timeAt(199 * kStep))->mean.head<3>() / unit);
+    found.push_back(estimator.stateAt(at(199 * kStep))->mean.head<3>() / unit);
   }
   EXPECT_LT((found[0] - found[1]).norm(), 1e-6);
 }
@@ -143,7 +141,7 @@ TEST(PositionEstimator, OneStationAloneNeverMakesTheRangeBetterAndItsErrorStaysW
       const bool is_alone = i >= 200;
       estimator.update(stations[0].see(i * kStep, now.position));
       if (!is_alone) estimator.update(stations[1].see(i * kStep, now.position));
-      const auto state = estimator.stateAt(timeAt(i * kStep));
+      const auto state = estimator.stateAt(at(i * kStep));
       if (!is_alone || !state) continue;
       if (i >= 210) {  // the other station counts as gone
         EXPECT_GE(sigmaAlong(*state, stations[0].origin()), along * (1.0 - 1e-6))
@@ -177,7 +175,7 @@ TEST(PositionEstimator, TakesThePositionUpAgainWhenASecondStationReturns) {
         }
       }
       if (i < 265) continue;
-      const auto state = estimator.stateAt(timeAt(i * kStep));
+      const auto state = estimator.stateAt(at(i * kStep));
       ASSERT_TRUE(state);
       EXPECT_LT((state->mean.head<3>() - now.position).norm(), 0.5) << run;
     }
@@ -193,7 +191,7 @@ TEST(PositionEstimator, NoRangeIsEverClaimedFromOneStationAtRest) {
     const auto& now = target.advance(kStep);
     EXPECT_EQ(estimator.update(stations[0].see(i * kStep, now.position)), MeasurementUse::waiting);
     EXPECT_EQ(estimator.update(beside.see(i * kStep, now.position)), MeasurementUse::waiting);
-    ASSERT_FALSE(estimator.stateAt(timeAt(i * kStep)));
+    ASSERT_FALSE(estimator.stateAt(at(i * kStep)));
   }
 }
 
@@ -208,7 +206,7 @@ TEST(PositionEstimator, APositionThatOneStationCannotHoldBecomesADirectionAgain)
     if (i < 100) estimator.update(stations[1].see(i * kStep, now.position));
   }
   EXPECT_EQ(restarts, 1);
-  EXPECT_FALSE(estimator.stateAt(timeAt(1500 * kStep)));
+  EXPECT_FALSE(estimator.stateAt(at(1500 * kStep)));
 }
 
 TEST(PositionEstimator, AMovingStationAloneMayFindTheRange) {
@@ -220,12 +218,12 @@ TEST(PositionEstimator, AMovingStationAloneMayFindTheRange) {
     SimulatedStation ship(0, {0, 8.0 * i * kStep, 0}, 2e-4, {}, static_cast<std::uint64_t>(i));
     estimator.update(ship.see(i * kStep, target));
     if (i < 100) estimator.update(shore.see(i * kStep, target));
-    const auto state = estimator.stateAt(timeAt(i * kStep));
+    const auto state = estimator.stateAt(at(i * kStep));
     if (!state || i < 200) continue;
     along = sigmaAlong(*state, ship.origin());
     if (i == 200) along_first = along;
   }
-  ASSERT_TRUE(estimator.stateAt(timeAt(1500 * kStep)));
+  ASSERT_TRUE(estimator.stateAt(at(1500 * kStep)));
   EXPECT_GT(along, 0.0);
   EXPECT_LT(along, 30.0 * along_first);  // a station at rest has lost it long before
 }
@@ -246,7 +244,7 @@ TEST(PositionEstimator, MoreStationsThanSlotsAreConsideredHonestly) {
       const auto& now = target.advance(kStep);
       for (auto& station : stations) estimator.update(station.see(i * kStep, now.position));
       if (i < 75 || i % 25) continue;
-      sum += nees(*estimator.stateAt(timeAt(i * kStep)), now.position);
+      sum += nees(*estimator.stateAt(at(i * kStep)), now.position);
       ++count;
     }
   }
@@ -263,7 +261,7 @@ TEST(PositionEstimator, StartsAnewWhenTheTargetIsAnotherOne) {
     for (auto& station : stations)
       if (estimator.update(station.see(i * kStep, target)) == MeasurementUse::restarted) ++restarts;
   }
-  const auto state = estimator.stateAt(timeAt(299 * kStep));
+  const auto state = estimator.stateAt(at(299 * kStep));
   ASSERT_TRUE(state);
   EXPECT_GE(restarts, 1);
   EXPECT_LT((state->mean.head<3>() - Vector(60, 20, 40)).norm(), 0.5);
@@ -275,7 +273,7 @@ TEST(PositionEstimator, BadMeasurementsAndParametersAreRefused) {
   StationMeasurement good = stations[0].see(1.0, {30, 40, 20});
   EXPECT_EQ(estimator.update(good), MeasurementUse::waiting);
   StationMeasurement bad = good;
-  bad.time = timeAt(0.5);
+  bad.time = at(0.5);
   EXPECT_EQ(estimator.update(bad), MeasurementUse::refused);
   bad = good;
   bad.ray.direction.x() = std::numeric_limits<double>::quiet_NaN();
@@ -319,8 +317,8 @@ TEST(PositionEstimator, ACopyGoesOnAsTheOriginal) {
   PositionEstimator copy = estimator;
   for (const auto& m : later) estimator.update(m);
   for (const auto& m : later) copy.update(m);
-  EXPECT_EQ(copy.stateAt(timeAt(8.0))->mean, estimator.stateAt(timeAt(8.0))->mean);
-  EXPECT_EQ(copy.stateAt(timeAt(8.0))->covariance, estimator.stateAt(timeAt(8.0))->covariance);
+  EXPECT_EQ(copy.stateAt(at(8.0))->mean, estimator.stateAt(at(8.0))->mean);
+  EXPECT_EQ(copy.stateAt(at(8.0))->covariance, estimator.stateAt(at(8.0))->covariance);
 }
 
 TEST(PositionEstimator, NothingIsAllocatedForAMeasurementAfterTheStart) {
@@ -334,7 +332,7 @@ TEST(PositionEstimator, NothingIsAllocatedForAMeasurementAfterTheStart) {
     if (i == 50) before = allocations;
     for (std::size_t s = 0; s < (i > 150 ? 1u : stations.size()); ++s)
       estimator.update(stations[s].see(i * kStep, now.position));
-    if (i > 50) estimator.stateAt(timeAt((i + 1) * kStep));
+    if (i > 50) estimator.stateAt(at((i + 1) * kStep));
   }
   ASSERT_TRUE(estimator.hasState());
   EXPECT_EQ(allocations - before, 0);

@@ -1,7 +1,6 @@
 #include "sightline/ros/adapters/message_layout.h"
 
 #include <algorithm>
-#include <functional>
 #include <nav_msgs/Odometry.h>
 #include <string>
 #include <vector>
@@ -13,8 +12,12 @@
 #include <ros/serialization.h>
 #include <sightline/SightingArray.h>
 
+#include "support/complaint.h"
+
 namespace sightline_ros {
 namespace {
+
+using sightline::test::complaintOf;
 
 template <typename Message>
 std::vector<std::uint8_t> bytesOf(const Message& message) {
@@ -31,15 +34,6 @@ MessageLayout layoutOf() {
 
 Bytes view(const std::vector<std::uint8_t>& bytes) {
   return {bytes.data(), bytes.size()};
-}
-
-std::string complaintAbout(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const FieldError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 nav_msgs::Odometry odometry() {
@@ -166,7 +160,7 @@ TEST(MessageLayout, WrongPathsAreRefusedWithWhatThereIs) {
   const auto layout = layoutOf<nav_msgs::Odometry>();
   const auto bytes = bytesOf(odometry());
   const auto complaint = [&](const std::string& path) {
-    return complaintAbout([&] { layout.number(view(bytes), layout.whole(), path); });
+    return complaintOf<FieldError>([&] { layout.number(view(bytes), layout.whole(), path); });
   };
   EXPECT_EQ(complaint("pose.pose.position.w"),
             "field \"pose.pose.position.w\" does not exist: geometry_msgs/Point has x, y, z");

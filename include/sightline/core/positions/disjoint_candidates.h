@@ -41,12 +41,9 @@ bool isWithin(const Candidate& a, const Candidate& b);
 std::vector<std::vector<int>> groupsOf(const std::vector<Candidate>& candidates);
 
 /// The set of disjoint candidates of a group with the largest sum of values > 0, one value for each
-/// candidate. `forbidden`: index of one that must not be in it, -1 = none. A search with a bound: exact for
-/// groups of up to about twenty, the best found in bounded time beyond (P-11).
+/// candidate. A search with a bound: exact for groups of up to about twenty, the best found in bounded time
+/// beyond (P-11).
 std::vector<int> bestOfGroup(const std::vector<Candidate>& candidates, const std::vector<double>& values,
-                             const std::vector<int>& group, int forbidden = -1);
-
-/// The same for all candidates, by their scores.
-std::vector<int> bestDisjoint(const std::vector<Candidate>& candidates, int forbidden = -1);
+                             const std::vector<int>& group);
 
 }  // namespace sightline::core

@@ -121,6 +121,7 @@ class PositionScene {
   int sensorNumber(int tracker, const std::string& name);
   std::string nameOf(const ViewKey& key) const;
   void feed(Target& target, const StationMeasurement& measurement, double reference);
+  static bool speaksAt(const Local& local, Time now);
   static int stationsOf(const Target& target);
   void decide(Time now);
   LocalView viewAt(const Local& local, Time now) const;
