@@ -17,62 +17,16 @@ constexpr double kFixedKappaSigma = 4.0;  // of the kappa that a fixed harmonic 
 /// Constant velocity with white acceleration; of acceleration and kappa, of which it knows nothing, it says
 /// N(0, sigma^2) each.
 // (S-17)
-void stepStraight(ResponseBelief& belief, const ResponseModel& model, const Eigen::Vector2d& units, double h,
-                  bool is_coupled) {
+Transition straightStep(double h, double q) {
   const double age = std::abs(h);
-  for (int channel = 0; channel < 2; ++channel) {
-    const double unit = units(channel), q = model.q * unit * unit;
-    Eigen::Vector4d& x = belief.mean[channel];
-    Eigen::Matrix4d& P = belief.covariance[channel];
-    x << x(0) + h * x(1), x(1), 0.0, 0.0;
-    P(0, 0) += 2.0 * h * P(0, 1) + h * h * P(1, 1) + q * age * age * age / 3.0;
-    P(0, 1) += h * P(1, 1) + q * h * age / 2.0;
-    P(1, 0) = P(0, 1);
-    P(1, 1) += q * age;
-    P.topRightCorner<2, 2>().setZero();
-    P.bottomLeftCorner<2, 2>().setZero();
-    P.bottomRightCorner<2, 2>() << kUnusedSigma * unit * kUnusedSigma * unit, 0.0,  //
-        0.0, kUnusedSigma * kUnusedSigma;
-  }
-  if (is_coupled) {
-    const Eigen::Matrix2d F = (Eigen::Matrix2d() << 1.0, h, 0.0, 1.0).finished();
-    belief.cross.topLeftCorner<2, 2>() = F * belief.cross.topLeftCorner<2, 2>() * F.transpose();
-  }
-}
-
-/// The unknown kappa makes the motion of each channel another one.
-// (S-8)
-void stepHarmonic(ResponseBelief& belief, const ResponseModel& model, const Eigen::Vector2d& units, double h,
-                  bool is_coupled) {
-  Eigen::Matrix4d F[2];
-  for (int channel = 0; channel < 2; ++channel) {
-    const double unit = units(channel);
-    Eigen::Matrix4d& P = belief.covariance[channel];
-    const Transition step = harmonicStep(belief.mean[channel], h, model.q * unit * unit, model.q_kappa);
-    belief.mean[channel] = step.mean;
-    F[channel] = step.F;
-    P = symmetric(step.F * P * step.F.transpose() + step.Q);
-  }
-  if (is_coupled) belief.cross = F[0] * belief.cross * F[1].transpose();
-}
-
-/// Motions that are linear, and alike in both channels.
-// (S-8), (S-29)
-void stepLinear(ResponseBelief& belief, const ResponseModel& model, const Eigen::Vector2d& units, double h,
-                bool is_coupled) {
-  const Eigen::Vector4d origin = Eigen::Vector4d::Zero();
-  const Transition step = model.kind == ResponseModel::Kind::fading
-                              ? fadingStep(origin, h, 1.0, model.fade, kUnusedSigma)
-                              : fixedHarmonicStep(origin, h, 1.0, model.kappa, kFixedKappaSigma);
-  for (int channel = 0; channel < 2; ++channel) {
-    const double unit = units(channel);
-    Eigen::Matrix4d& P = belief.covariance[channel];
-    Eigen::Matrix4d Q = step.Q;
-    Q.topLeftCorner<3, 3>() *= model.q * unit * unit;
-    belief.mean[channel] = step.F * belief.mean[channel] + step.mean;
-    P = symmetric(step.F * P * step.F.transpose() + Q);
-  }
-  if (is_coupled) belief.cross = step.F * belief.cross * step.F.transpose();
+  Transition step;
+  step.mean.setZero();
+  step.F.setZero();
+  step.F.topLeftCorner<2, 2>() << 1.0, h, 0.0, 1.0;
+  step.Q.setZero();
+  step.Q.topLeftCorner<2, 2>() << q * age * age * age / 3.0, q * h * age / 2.0, q * h * age / 2.0, q * age;
+  step.Q(2, 2) = step.Q(3, 3) = kUnusedSigma * kUnusedSigma;
+  return step;
 }
 
 }  // namespace
@@ -90,16 +44,6 @@ std::vector<ResponseModel> defaultResponseModels() {
           {ResponseModel::Kind::fading, 0.3, 0.0, 0.0, 2.0},
           {ResponseModel::Kind::fading, 10.0, 0.0, 0.0, 2.0},
           {ResponseModel::Kind::fading, 1000.0, 0.0, 0.0, 2.0, 0.5}};
-}
-
-void inUnits(ResponseBelief& belief, double unit) {
-  if (unit == 1.0) return;
-  const Eigen::Vector4d scale(1.0, unit, unit * unit, unit * unit);
-  for (int channel = 0; channel < 2; ++channel) {
-    belief.mean[channel] = scale.cwiseProduct(belief.mean[channel]);
-    belief.covariance[channel] = scale.asDiagonal() * belief.covariance[channel] * scale.asDiagonal();
-  }
-  belief.cross = scale.asDiagonal() * belief.cross * scale.asDiagonal();
 }
 
 Motion<4> motionOf(const ResponseBelief& belief) {
@@ -159,17 +103,18 @@ void check(const ResponseModel& model) {
   }
 }
 
-void step(ResponseBelief& belief, const ResponseModel& model, const Eigen::Vector2d& units, double h,
-          bool is_coupled) {
+Transition transitionOf(const ResponseModel& model, const Eigen::Vector4d& state, double h) {
   switch (model.kind) {
     case ResponseModel::Kind::straight:
-      return stepStraight(belief, model, units, h, is_coupled);
+      return straightStep(h, model.q);
     case ResponseModel::Kind::harmonic:
-      return stepHarmonic(belief, model, units, h, is_coupled);
+      return harmonicStep(state, h, model.q, model.q_kappa);
     case ResponseModel::Kind::fixed_harmonic:
+      return fixedHarmonicStep(state, h, model.q, model.kappa, kFixedKappaSigma);
     case ResponseModel::Kind::fading:
-      return stepLinear(belief, model, units, h, is_coupled);
+      return fadingStep(state, h, model.q, model.fade, kUnusedSigma);
   }
+  return {};
 }
 
 }  // namespace sightline::core

@@ -1,15 +1,8 @@
 #include "sightline/core/estimators/noise_learning.h"
 
-#include <algorithm>
 #include <stdexcept>
 
 namespace sightline::core {
-namespace {
-
-constexpr int kSightingsOfTheRate = 3;  // whose innovations are those of a motion not known yet
-constexpr double kOneSighting = 0.5;    // weight of a channel's innovation
-
-}  // namespace
 
 NoiseLearning::NoiseLearning(const NoiseLearningParams& params)
     : params_(params), weight_(kOneSighting * params.trust) {
@@ -27,13 +20,6 @@ void NoiseLearning::next(double h) {  // (S-11)
   weight_ = least + (weight_ - least) * std::exp(-h / params_.memory);
   if (sightings_ >= kSightingsOfTheRate) weight_ += kOneSighting;
   if (sightings_ < kSightingsOfTheRate) ++sightings_;
-}
-
-double NoiseLearning::learnt(double scale, double distance_squared) const {  // (S-11)
-  if (!params_.enabled || sightings_ < kSightingsOfTheRate) return scale;
-  const double before = weight_ - kOneSighting;
-  const double seen = scale * (before + kOneSighting * distance_squared) / weight_;
-  return std::clamp(seen, params_.min_scale, params_.max_scale);
 }
 
 }  // namespace sightline::core

@@ -23,50 +23,27 @@ ResponseBelief someBelief() {
   return belief;
 }
 
-const Eigen::Vector2d kUnits{1.0, 1.0};
-
 TEST(NogaModels, StraightFlightMovesThePositionByTheRate) {
-  ResponseBelief belief = someBelief();
-  step(belief, {Kind::straight, 0.0}, kUnits, 0.5, false);
-  for (int channel = 0; channel < 2; ++channel) {
-    const Eigen::Vector4d before = someBelief().mean[channel];
-    EXPECT_NEAR(belief.mean[channel](0), before(0) + 0.5 * before(1), 1e-15);
-    EXPECT_NEAR(belief.mean[channel](1), before(1), 1e-15);
-    EXPECT_NEAR(belief.covariance[channel](0, 0), 1e-4 + 0.25 * 1e-3, 1e-15);
-  }
-}
-
-TEST(NogaModels, ProcessNoiseGrowsWithTheSquareOfTheUnit) {
-  for (const Kind kind : {Kind::straight, Kind::fixed_harmonic, Kind::fading}) {
-    ResponseBelief calm, one, ten;  // certain of all but what the model adds
-    step(calm, {kind, 0.0}, {1.0, 10.0}, 0.3, false);
-    step(one, {kind, 0.7}, {1.0, 10.0}, 0.3, false);
-    const double added = one.covariance[0](0, 0) - calm.covariance[0](0, 0);
-    ASSERT_GT(added, 0.0);
-    EXPECT_NEAR((one.covariance[1](0, 0) - calm.covariance[1](0, 0)) / added, 100.0, 1e-9);
-  }
+  const Transition step = transitionOf({Kind::straight, 0.0}, Eigen::Vector4d::Zero(), 0.5);
+  const Eigen::Vector4d after = step.F * Eigen::Vector4d(0.1, 0.2, 0.05, 2.0);
+  EXPECT_TRUE(after.isApprox(Eigen::Vector4d(0.2, 0.2, 0.0, 0.0), 1e-15)) << "it knows no more than the rate";
+  EXPECT_TRUE((step.Q.topLeftCorner<2, 2>().isZero()));
 }
 
 TEST(NogaModels, AFixedHarmonicOfZeroRateAndAccelerationStaysWhereItIs) {
-  ResponseBelief belief = someBelief();
-  for (Eigen::Vector4d& mean : belief.mean) mean << 0.4, 0.0, 0.0, 8.0;
-  step(belief, {Kind::fixed_harmonic, 1.0, 0.0, 8.0}, kUnits, 2.0, false);
-  EXPECT_NEAR(belief.mean[0](0), 0.4, 1e-14);
-  EXPECT_NEAR(belief.mean[0](3), 8.0, 1e-14) << "it hands its kappa to the others";
+  const Transition step =
+      transitionOf({Kind::fixed_harmonic, 1.0, 0.0, 8.0}, Eigen::Vector4d(0.4, 0.0, 0.0, 3.0), 2.0);
+  EXPECT_NEAR((step.F * Eigen::Vector4d(0.4, 0.0, 0.0, 3.0))(0), 0.4, 1e-14);
+  EXPECT_NEAR(step.mean(3), 8.0, 1e-14) << "it hands its kappa to the others";
 }
 
-TEST(NogaModels, EveryDefaultModelKeepsCovariancesPositiveForwardAndBackInTime) {
-  for (const ResponseModel& model : defaultResponseModels()) {
-    for (const double h : {-0.2, 0.0, 1e-3, 0.03, 1.0, 30.0}) {
-      ResponseBelief belief = someBelief();
-      belief.cross.setConstant(1e-7);
-      step(belief, model, {0.01, 0.02}, h, true);
-      for (const Eigen::Matrix4d& P : belief.covariance) {
-        EXPECT_TRUE(P.isApprox(P.transpose(), 1e-12));
-        EXPECT_GE(test::leastEigenvalue(P), -1e-12 * P.trace()) << "h = " << h << ", q = " << model.q;
-      }
-      EXPECT_TRUE(belief.cross.allFinite());
-    }
+TEST(NogaModels, ProcessNoiseIsInProportionToTheDensity) {
+  for (const Kind kind : {Kind::straight, Kind::harmonic, Kind::fixed_harmonic, Kind::fading}) {
+    const Transition one = transitionOf({kind, 1.0}, Eigen::Vector4d::Zero(), 0.3);
+    const Transition seven = transitionOf({kind, 7.0}, Eigen::Vector4d::Zero(), 0.3);
+    ASSERT_GT(one.Q(0, 0), 0.0);
+    EXPECT_NEAR(seven.Q(0, 0) / one.Q(0, 0), 7.0, 1e-12);
+    EXPECT_NEAR(seven.Q(0, 1) / one.Q(0, 1), 7.0, 1e-12);
   }
 }
 

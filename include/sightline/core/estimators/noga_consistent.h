@@ -1,12 +1,12 @@
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "sightline/core/estimators/estimator.h"
 #include "sightline/core/estimators/mode_chain.h"
+#include "sightline/core/estimators/noga_bank.h"
 #include "sightline/core/estimators/noga_models.h"
 #include "sightline/core/estimators/noise_learning.h"
 #include "sightline/core/estimators/rate_prior.h"
@@ -63,41 +63,48 @@ class NogaConsistentEstimator final : public Estimator {
   const ModeArray& probabilities() const { return chain_.probabilities(); }
 
  private:
-  using Belief = ResponseBelief;
-  using Beliefs = std::array<Belief, kMaxModes>;
+  /// What was expected last: predicting a sighting, weighing it and taking it ask for the same. A copy
+  /// begins without.
+  class Expectation {
+   public:
+    Expectation() = default;
+    Expectation(const Expectation&) {}
+    Expectation& operator=(const Expectation&) = delete;
+    bool isFor(double h) const { return h_ == h; }
+    const ResponseBank& bank() const { return *bank_; }
+    ResponseBank& begin(double h, const ResponseBank& from) {
+      if (bank_)
+        *bank_ = from;
+      else
+        bank_ = std::make_unique<ResponseBank>(from);
+      h_ = h;
+      return *bank_;
+    }
+    void forget() { h_.reset(); }
+
+   private:
+    std::optional<double> h_;  // time ahead of the last sighting [s]
+    std::unique_ptr<ResponseBank> bank_;
+  };
 
   NogaConsistentEstimator(const NogaConsistentEstimator&) = default;
   int modes() const { return static_cast<int>(params_.models.size()); }
-  double amplitude(int channel, double noise) const;
+  BankAmplitude amplitude() const;
   void start(const Measurement& measurement);
   void setUnknown(double h);
-  Beliefs expected(double h) const;
-  Belief mixtureOfAll() const;
-  template <int N>
-  void blend(double share, const Belief& own, const Belief& other, Belief& mixed) const;
-  double reduce(Belief& belief, const Measurement& measurement, bool is_straight) const;
-  template <int N>
-  double reduceChannel(Belief& belief, int channel, double position, double variance,
-                       double& distance_squared) const;
-  double reduceCoupled(Belief& belief, const Measurement& measurement,
-                       Eigen::Vector2d& distances_squared) const;
-  double outlierShare() const;
-  double takenShare(double log_likelihood, double log_outlier_density, double& log_mixture) const;
-  double logOutlierDensity(int channel, double noise, double D) const;
-  void learnNoise(Belief& belief, const Eigen::Vector2d& distances_squared) const;
-  std::array<Motion<4>, kMaxModes> motionsOf(const Beliefs& beliefs) const;
-  AngularState moments(const ModeArray& weights, const Beliefs& beliefs) const;
+  const ResponseBank& expected(double h) const;
 
   NogaConsistentParams params_;
   ModeChain chain_;
   std::optional<Time> time_;  // of the last sighting
-  Beliefs beliefs_;           // then, by each model
+  ResponseBank bank_;         // then, by each model
   SightingNoise sighting_noise_;
   RevisitTime revisit_;
   InitialRate rate_;
   NoiseLearning noise_learning_;
   bool is_second_look_ = false;  // the sighting is the second of a target whose rates nobody knew
-  bool coupled_ = false;         // whether `cross` is kept
+  mutable Expectation ahead_;
+  bool is_coupled_ = false;  // whether covariances of azimuth with elevation are kept
 };
 
 }  // namespace sightline::core

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "sightline/core/estimators/harmonic_motion.h"
 #include "sightline/core/model/kinematics.h"
 
 /// The response models of NOGA's bank: how a target may move between two sightings.
@@ -34,9 +35,6 @@ struct ResponseBelief {
   Eigen::Vector2d noise = Eigen::Vector2d::Ones();
 };
 
-/// Goes over from seconds to units of time of `unit` seconds: rates per unit, and so on.
-void inUnits(ResponseBelief& belief, double unit);
-
 /// Position and rates, both channels together.
 Motion<4> motionOf(const ResponseBelief& belief);
 
@@ -47,9 +45,9 @@ void turn(ResponseBelief& belief, const Eigen::Matrix3d& R_new_old);
 /// Throws std::invalid_argument for a model that cannot work.
 void check(const ResponseModel& model);
 
-/// Predicts the belief `h` seconds ahead (or back). `units`: the angle of each channel that stands for 1 rad
-/// of the model [rad]. `is_coupled`: whether the channels' cross-covariance is kept.
-void step(ResponseBelief& belief, const ResponseModel& model, const Eigen::Vector2d& units, double h,
-          bool is_coupled);
+/// One step of a channel by a model, `h` seconds ahead or back, for an amplitude of 1 rad: with another one
+/// the process noise of position, rate and acceleration is as many times as large as its square. `state`:
+/// (x, v, a, kappa) before, of which only that of a harmonic counts.
+Transition transitionOf(const ResponseModel& model, const Eigen::Vector4d& state, double h);
 
 }  // namespace sightline::core

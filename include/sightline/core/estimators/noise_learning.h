@@ -1,6 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <type_traits>
+
+#include <Eigen/Core>
 
 namespace sightline::core {
 
@@ -26,17 +30,32 @@ class NoiseLearning {
   void next(double h);
 
   /// Log density of one channel's innovation, given its square over S and log S: Student's t, or the normal
-  /// one where nothing is learnt.
-  double logDensity(double distance_squared, double log_S) const {
+  /// one where nothing is learnt. `Number`: double, or an array of them, of one model each.
+  template <typename Number>
+  Number logDensity(const Number& distance_squared, const Number& log_S) const {
+    using std::log1p;
     if (!params_.enabled) return -0.5 * (distance_squared + log_S + kLog2Pi);
-    return -0.5 * (log_S + kLog2Pi) - (weight_ + 0.5) * std::log1p(distance_squared / (2.0 * weight_));
+    return -0.5 * (log_S + kLog2Pi) - (weight_ + 0.5) * log1p(Number(distance_squared / (2.0 * weight_)));
   }
 
+  /// Whether innovations tell of the noise already.
+  bool isLearning() const { return params_.enabled && sightings_ >= kSightingsOfTheRate; }
+
   /// The scale after a sighting, given the one before and the squared innovation over S with it.
-  double learnt(double scale, double distance_squared) const;
+  template <typename Number>
+  Number learnt(const Number& scale, const Number& distance_squared) const {  // (S-11)
+    if (!isLearning()) return scale;
+    const Number seen = scale * ((weight_ - kOneSighting) + kOneSighting * distance_squared) / weight_;
+    if constexpr (std::is_arithmetic_v<Number>)
+      return std::clamp(seen, params_.min_scale, params_.max_scale);
+    else
+      return seen.max(params_.min_scale).min(params_.max_scale);
+  }
 
  private:
   static constexpr double kLog2Pi = 1.8378770664093454836;
+  static constexpr int kSightingsOfTheRate = 3;  // whose innovations are those of a motion not known yet
+  static constexpr double kOneSighting = 0.5;    // weight of a channel's innovation
 
   NoiseLearningParams params_;
   double weight_;  // a of the inverse gamma distribution of one channel
