@@ -26,7 +26,7 @@ string(JOIN ", " CPACK_DEBIAN_PACKAGE_DEPENDS
   python3-genpy python3-std-msgs  # our messages in Python
 )
 string(JOIN ", " CPACK_DEBIAN_PACKAGE_RECOMMENDS
-  rviz python3-matplotlib
+  rviz python3-matplotlib python3-plotly
   python3-rostopic python3-rosnode python3-rosparam python3-rosservice
   python3-diagnostic-msgs python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-std-srvs python3-tf2-msgs
   python3-visualization-msgs)

@@ -60,8 +60,8 @@ const char* nameOf(EvaluationRow::Kind kind) {
 
 Line lineOf(const EvaluationRow& row) {
   return {{"kind", nameOf(row.kind)},
-          {"topic", row.topic},
-          {"name", row.name},
+          {"topic", csvCell(row.topic)},
+          {"name", csvCell(row.name)},
           {"samples", std::to_string(row.samples)},
           {"rmse", orEmpty(row.rmse)},
           {"relative_rmse", orEmpty(row.relative_rmse)},
@@ -95,8 +95,8 @@ Line lineOf(const EvaluationRow& row) {
 
 Line lineOf(const core::TargetRow& row) {
   return {{"kind", "target"},
-          {"topic", row.topic},
-          {"name", row.name},
+          {"topic", csvCell(row.topic)},
+          {"name", csvCell(row.name)},
           {"target", std::to_string(row.target)},
           {"samples", std::to_string(row.samples)},
           {"rmse", orEmpty(row.rmse)},

@@ -179,7 +179,10 @@ std::string percent(double share) {
 std::string withBand(double average, double degrees) {
   if (std::isnan(average)) return "-";
   const core::Band band = core::aneesBand(degrees);
-  return decimals(average, 2) + " [" + decimals(band.low, 2) + ", " + decimals(band.high, 2) + "]";
+  const double digits = std::ceil(-std::log10(0.5 * (band.high - band.low)));  // of so many samples
+  const int count = std::isfinite(digits) ? static_cast<int>(std::clamp(digits, 2.0, 6.0)) : 2;
+  return decimals(average, count) + " [" + decimals(band.low, count) + ", " + decimals(band.high, count) +
+         "]";
 }
 
 std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {

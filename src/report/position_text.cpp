@@ -57,10 +57,10 @@ void writePositionRows(std::ostream& stream, const std::map<std::string, core::P
             "alone_rmse_m,alone_median_m,alone_anees,coverage,breaks,id_changes,tracks,false_tracks,"
             "false_share,gospa_m\n";
   for (const auto& [topic, row] : rows) {
-    stream << topic << ',' << row.reports << ',' << row.all.samples << ',' << orEmpty(row.all.rmse) << ','
-           << orEmpty(row.all.median) << ',' << orEmpty(row.all.p90) << ',' << orEmpty(row.all.p95) << ','
-           << orEmpty(row.all.median_velocity) << ',' << orEmpty(row.all.anees) << ',' << row.alone.samples
-           << ',' << orEmpty(row.alone.rmse) << ',' << orEmpty(row.alone.median) << ','
+    stream << csvCell(topic) << ',' << row.reports << ',' << row.all.samples << ',' << orEmpty(row.all.rmse)
+           << ',' << orEmpty(row.all.median) << ',' << orEmpty(row.all.p90) << ',' << orEmpty(row.all.p95)
+           << ',' << orEmpty(row.all.median_velocity) << ',' << orEmpty(row.all.anees) << ','
+           << row.alone.samples << ',' << orEmpty(row.alone.rmse) << ',' << orEmpty(row.alone.median) << ','
            << orEmpty(row.alone.anees) << ',' << orEmpty(row.coverage) << ',' << row.breaks << ','
            << row.id_changes << ',' << row.tracks << ',' << row.false_tracks << ','
            << orEmpty(row.false_share) << ',' << orEmpty(row.gospa) << '\n';
@@ -74,8 +74,8 @@ std::string positionErrorHeader() {
 std::string positionErrorLine(const std::string& topic, core::Time time,
                               const core::PositionEvaluation::Pair& pair) {
   std::ostringstream line;
-  line << topic << ',' << std::fixed << std::setprecision(9) << core::seconds(time.time_since_epoch()) << ','
-       << pair.target << ',' << pair.id;
+  line << csvCell(topic) << ',' << std::fixed << std::setprecision(9)
+       << core::seconds(time.time_since_epoch()) << ',' << csvCell(pair.target) << ',' << pair.id;
   for (int axis = 0; axis < 3; ++axis) line << ',' << orEmpty(pair.error(axis));
   for (int axis = 0; axis < 3; ++axis) line << ',' << orEmpty(pair.sigma(axis));
   line << ',' << orEmpty(pair.nees) << ',' << (pair.is_alone ? 1 : 0) << '\n';

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <optional>
 
+#include "sightline/report/value_text.h"
+
 namespace sightline::report {
 namespace {
 
@@ -46,16 +48,16 @@ core::ScoreListener ScoreFiles::listener() {
 
 void ScoreFiles::write(const core::ScoredPair& pair) {
   const core::DirectionError& error = pair.error;
-  errors_.stream() << pair.topic << ',' << pair.name << ',' << secondsOf(pair.time) << ',' << pair.target
-                   << ',' << pair.track << ',' << pair.angles.x() << ',' << pair.angles.y() << ','
-                   << pair.truth.x() << ',' << pair.truth.y() << ',' << error.position.x() << ','
+  errors_.stream() << csvCell(pair.topic) << ',' << csvCell(pair.name) << ',' << secondsOf(pair.time) << ','
+                   << pair.target << ',' << pair.track << ',' << pair.angles.x() << ',' << pair.angles.y()
+                   << ',' << pair.truth.x() << ',' << pair.truth.y() << ',' << error.position.x() << ','
                    << error.position.y() << ',' << error.sigma.x() << ',' << error.sigma.y() << ','
                    << orEmpty(error.position_nees) << ',' << orEmpty(error.state_nees) << '\n';
 }
 
 void ScoreFiles::write(const core::ScoredReport& report) {
   const core::Gospa& gospa = report.gospa;
-  gospa_.stream() << report.topic << ',' << secondsOf(report.time) << ',' << gospa.distance << ','
+  gospa_.stream() << csvCell(report.topic) << ',' << secondsOf(report.time) << ',' << gospa.distance << ','
                   << gospa.localisation << ',' << gospa.missed << ',' << gospa.extra << ','
                   << report.ospa.distance << '\n';
 }

@@ -1,13 +1,10 @@
-#include <filesystem>
 #include <iostream>
-#include <stdexcept>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <ros/package.h>
+#include <string>
+#include <vector>
 
 #include "sightline/report/command_line.h"
 #include "sightline/ros/recordings/bag_evaluation.h"
+#include "sightline/ros/recordings/evaluation_scripts.h"
 
 namespace {
 
@@ -53,33 +50,13 @@ const char* const kUsage =
     "each "
     "of its\n"
     "                         targets), errors.csv, gospa.csv\n"
-    "  --plots DIR            writes the same, and pictures of errors, consistency and GOSPA over time\n";
-
-/// The installed script beside this program, or that of the source folder.
-std::string plotScript() {
-  namespace fs = std::filesystem;
-  const std::string name = "plot_evaluation";
-  const fs::path beside = fs::read_symlink("/proc/self/exe").parent_path() / name;
-  if (fs::exists(beside)) return beside.string();
-  const fs::path source = fs::path(ros::package::getPath("sightline")) / "scripts" / name;
-  if (fs::exists(source)) return source.string();
-  throw std::runtime_error(name +
-                           ": the script that draws is neither beside this program nor in the package");
-}
-
-void draw(const std::string& folder) {
-  const std::string script = plotScript();
-  std::cout.flush();
-  const pid_t child = fork();
-  if (child == 0) {
-    execl(script.c_str(), script.c_str(), folder.c_str(), static_cast<char*>(nullptr));
-    _exit(127);
-  }
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw std::runtime_error(script + " failed; the files that it draws are in " + folder);
-  }
-}
+    "  --plots DIR            writes the same, and pictures of errors, consistency and GOSPA over time\n"
+    "  --html FILE            writes a report to send on: one page with plots that zoom, and the tables. "
+    "Without "
+    "--truth it\n"
+    "                         compares with the recording's own truth (/truth, /truth/positions), where it "
+    "has one\n"
+    "  --against OTHER.bag    in the report, a second recording side by side, and what differs\n";
 
 sightline::core::EvaluationParams paramsFrom(const CommandLine& line) {
   constexpr NumberRange kAtLeastZero = NumberRange::at_least_zero, kAboveZero = NumberRange::above_zero;
@@ -94,27 +71,45 @@ sightline::core::EvaluationParams paramsFrom(const CommandLine& line) {
   return params;
 }
 
-void evaluate(const std::vector<std::string>& words) {
-  const CommandLine line(words,
-                         {"--truth", "--settle", "--truth-gap", "--match-gate", "--sighting-gate",
-                          "--sighting-floor", "--gospa-c", "--gospa-c-m", "--csv", "--plots"},
-                         1, 1, {"--azimuth-only", "--no-truth"});
-  if (line.has("--no-truth") && line.has("--truth"))
-    throw UsageError("--truth and --no-truth exclude each other: give one");
-
+sightline_ros::BagEvaluationSettings settingsFrom(const CommandLine& line) {
   sightline_ros::BagEvaluationSettings settings;
   settings.truth = line.option("--truth", "");
-  const std::string plots = line.option("--plots", "");
-  if (!plots.empty() && line.has("--csv"))
-    throw UsageError("--plots DIR writes the files of --csv as well: give one");
-  settings.csv = line.option("--csv", plots);
+  settings.csv = line.option("--csv", line.option("--plots", ""));
   settings.evaluation = paramsFrom(line);
   settings.positions.gospa_cutoff =
       line.number("--gospa-c-m", settings.positions.gospa_cutoff, NumberRange::above_zero);
   settings.positions.settle = settings.evaluation.settle_time;
+  return settings;
+}
 
-  std::cout << sightline_ros::evaluateBag(line.arguments()[0], settings);
-  if (!plots.empty()) draw(plots);
+void requireSense(const CommandLine& line) {
+  if (line.has("--no-truth") && line.has("--truth"))
+    throw UsageError("--truth and --no-truth exclude each other: give one");
+  if (line.has("--plots") && line.has("--csv"))
+    throw UsageError("--plots DIR writes the files of --csv as well: give one");
+  if (line.has("--html") && (line.has("--csv") || line.has("--plots")))
+    throw UsageError("--html FILE excludes --csv and --plots: give them in a run of their own");
+  if (line.has("--against") && !line.has("--html"))
+    throw UsageError("--against OTHER.bag is of the report: give --html FILE as well");
+}
+
+void evaluate(const std::vector<std::string>& words) {
+  const CommandLine line(
+      words,
+      {"--truth", "--settle", "--truth-gap", "--match-gate", "--sighting-gate", "--sighting-floor",
+       "--gospa-c", "--gospa-c-m", "--csv", "--plots", "--html", "--against"},
+      1, 1, {"--azimuth-only", "--no-truth"});
+  requireSense(line);
+  const std::string& bag = line.arguments()[0];
+  if (!line.has("--html")) {
+    std::cout << sightline_ros::evaluateBag(bag, settingsFrom(line));
+    if (line.has("--plots")) sightline_ros::drawEvaluation(line.option("--plots", ""));
+    return;
+  }
+  sightline_ros::ReportSettings report{
+      {bag}, line.option("--html", ""), !line.has("--truth") && !line.has("--no-truth"), settingsFrom(line)};
+  if (line.has("--against")) report.bags.push_back(line.option("--against", ""));
+  std::cout << sightline_ros::writeReport(report);
 }
 
 }  // namespace

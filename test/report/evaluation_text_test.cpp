@@ -213,4 +213,9 @@ TEST(InnovationTable, CountsDecisionsAndGivesTheNisWithItsBand) {
   EXPECT_EQ(words[words.size() - 4], "1");  // outside the gate
 }
 
+TEST(EvaluationText, ABandHasAsManyDigitsAsItNeeds) {
+  EXPECT_EQ(withBand(1.234, 200.0), "1.23 [0.81, 1.21]");
+  EXPECT_EQ(withBand(1.0012, 400000.0), "1.001 [0.996, 1.004]");
+}
+
 }  // namespace

@@ -32,6 +32,12 @@ TEST(OrEmpty, ATenDigitFigureOrNothing) {
   EXPECT_EQ(orEmpty(std::numeric_limits<double>::quiet_NaN()), "");
 }
 
+TEST(CsvCell, IsInQuotesOnlyWhereItNeedsThem) {
+  EXPECT_EQ(csvCell("cam 1"), "cam 1");
+  EXPECT_EQ(csvCell("a,b"), "\"a,b\"");
+  EXPECT_EQ(csvCell("say \"a\""), "\"say \"\"a\"\"\"");
+}
+
 TEST(IsAmong, AWholeNameOnly) {
   EXPECT_TRUE(isAmong({"time", "sigma"}, "sigma"));
   EXPECT_FALSE(isAmong({"time", "sigma"}, "sig"));

@@ -20,6 +20,9 @@ std::optional<double> numberFrom(const std::string& text);
 /// A figure as a cell of a CSV file, ten digits; empty where it is not known (NaN).
 std::string orEmpty(double value);
 
+/// A text as a cell of a CSV file, in quotes where it needs them.
+std::string csvCell(const std::string& text);
+
 bool isAmong(const std::vector<std::string>& names, const std::string& name);
 
 }  // namespace sightline::report

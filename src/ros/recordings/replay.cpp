@@ -24,6 +24,7 @@
 #include "sightline/ros/recordings/recorded_stations.h"
 #include "sightline/ros/recordings/recorded_transforms.h"
 #include "sightline/ros/recordings/replay_output.h"
+#include "sightline/ros/recordings/replay_parameters.h"
 
 namespace sightline_ros {
 
@@ -92,6 +93,7 @@ class Replay {
   void noteLeftOut(const core::FusionReport& report);
 
   bool is_live_;
+  std::string parameters_;
   bool has_positions_ = false;
   core::ArrivalPlan arrivals_;
   ReplaySummary summary_;
@@ -109,6 +111,7 @@ class Replay {
 Replay::Replay(const rosbag::Bag& in, const RecordingSurvey& survey, rosbag::Bag& out,
                const ParamReader& config, const ReplaySettings& settings)
     : is_live_(settings.live),
+      parameters_(parametersText(settings)),
       arrivals_(survey.arrivals),
       output_(out, summary_),
       transforms_(in, is_live_ ? KnownTransforms::up_to_time : KnownTransforms::one_further),
@@ -200,6 +203,7 @@ RecordedOrder Replay::orderOfScans() {
 ReplaySummary Replay::run(const rosbag::Bag& in) {
   RecordedScans scans(orderOfScans(), summary_);
   rosbag::View view(in);
+  output_.writeParameters(parameters_, view.getBeginTime());
   for (const rosbag::MessageInstance& message : view) {
     output_.copy(message);
     if (!message.isType<SightingArray>()) continue;

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include <std_msgs/String.h>
+
 #include "sightline/ros/components/local_tracker_health.h"
+#include "sightline/ros/recordings/replay_parameters.h"
 
 namespace sightline_ros {
 namespace {
@@ -21,10 +24,16 @@ ros::Time bagTime(const ros::Time& stamp) {
 }  // namespace
 
 ReplayOutput::ReplayOutput(rosbag::Bag& out, ReplaySummary& summary)
-    : out_(out), summary_(summary), replaced_({kFusedTracks, kFusionReport}) {}
+    : out_(out), summary_(summary), replaced_({kFusedTracks, kFusionReport, kReplayParameters}) {}
 
 void ReplayOutput::replace(const TrackerTopics& topics) {
   replaced_.insert({topics.tracks, topics.tracklets, topics.associations});
+}
+
+void ReplayOutput::writeParameters(const std::string& text, const ros::Time& begin) {
+  std_msgs::String message;
+  message.data = text;
+  out_.write(kReplayParameters, bagTime(begin), message);
 }
 
 void ReplayOutput::replacePositions() {

@@ -24,6 +24,7 @@
 
 #include "sightline/ros/params/param_reader.h"
 #include "sightline/ros/recordings/bags.h"
+#include "sightline/ros/recordings/replay_parameters.h"
 
 #include "support/bytes.h"
 #include "support/scratch_folder.h"
@@ -31,7 +32,9 @@
 namespace {
 
 using sightline::test::bytesOf;
+using sightline_ros::kReplayParameters;
 using sightline_ros::ParamError;
+using sightline_ros::parametersText;
 using sightline_ros::replay;
 using sightline_ros::ReplaySettings;
 using sightline_ros::ReplaySummary;
@@ -405,6 +408,23 @@ TEST_F(Replay, ConfigurationAndEstimatorAreObeyed) {
   EXPECT_EQ(newest("/sensors/left/tracks").estimator, "imm");
   EXPECT_EQ(newest("/sensor_fusion/tracks").estimator, "imm");
   EXPECT_EQ(newest("/fusion/tracks").estimator, "covariance_intersection");
+}
+
+TEST_F(Replay, SaysWhatItWasToldOnce) {
+  record(file("in.bag"), 0.0, 1);
+  const std::string config = folder_.write("config.yaml",
+                                           "local_tracker: {estimator: kalman, max_lag: 0.5}\n"
+                                           "position_tracker: {frames: [a, b]}\n");
+  EXPECT_EQ(parametersText({config, "imm", "", true, false}),
+            "--config: " + config +
+                "\nlocal_tracker/estimator: kalman\nlocal_tracker/max_lag: 0.5\n"
+                "position_tracker/frames: [a, b]\n--estimator: imm\n--positions: no\n--live: yes\n");
+  replay(file("in.bag"), file("out.bag"), {"", "imm", "", false});
+  replay(file("out.bag"), file("again.bag"), {"", "kalman", "", false});
+  rosbag::Bag bag(file("again.bag"));
+  rosbag::View view(bag, rosbag::TopicQuery(kReplayParameters));
+  ASSERT_EQ(view.size(), 1u) << "those of the replay before are replaced";
+  EXPECT_EQ(view.begin()->instantiate<std_msgs::String>()->data, "--config: none\n--estimator: kalman\n");
 }
 
 TEST_F(Replay, WrongSettingsAreRefusedAndLeaveNothingBehind) {

@@ -32,6 +32,9 @@ class ReplayOutput {
   /// The replay publishes on these topics: recorded messages on them are not copied.
   void replace(const TrackerTopics& topics);
 
+  /// What the replay was told, as `parametersText` gives it, at the time of the recording's first message.
+  void writeParameters(const std::string& text, const ros::Time& begin);
+
   /// The replay publishes positions: recorded ones are not copied.
   void replacePositions();
 

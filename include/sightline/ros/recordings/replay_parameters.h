@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "sightline/ros/recordings/replay.h"
+
+namespace sightline_ros {
+
+/// Topic (std_msgs/String) on which a replay says what it was told.
+constexpr const char* kReplayParameters = "/replay/parameters";
+
+/// What a replay was told, one "name: value" a line: the configuration file, every value in it by its full
+/// name ("local_tracker/gate_probability: 0.99"), and --estimator, --rule, --positions and --live where they
+/// were given. What is not in it has its default. Throws ParamError or YAML::Exception for a file that cannot
+/// be read.
+std::string parametersText(const ReplaySettings& settings);
+
+}  // namespace sightline_ros

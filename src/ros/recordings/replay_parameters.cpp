@@ -1,0 +1,39 @@
+#include "sightline/ros/recordings/replay_parameters.h"
+
+#include <yaml-cpp/yaml.h>
+
+namespace sightline_ros {
+namespace {
+
+/// "[1, 2]" of a list, whatever its style in the file.
+std::string flowTextOf(const YAML::Node& node) {
+  YAML::Emitter emitter;
+  emitter << YAML::Flow << node;
+  return emitter.c_str();
+}
+
+void addLines(const std::string& name, const YAML::Node& node, std::string& text) {
+  if (!node.IsMap()) {
+    text += name + ": " + (node.IsScalar() ? node.Scalar() : flowTextOf(node)) + "\n";
+    return;
+  }
+  for (const auto& entry : node)
+    addLines((name.empty() ? "" : name + "/") + entry.first.Scalar(), entry.second, text);
+}
+
+}  // namespace
+
+std::string parametersText(const ReplaySettings& settings) {
+  std::string text = "--config: " + (settings.config.empty() ? "none" : settings.config) + "\n";
+  if (!settings.config.empty()) {
+    const YAML::Node file = YAML::LoadFile(settings.config);
+    if (file.IsMap()) addLines("", file, text);
+  }
+  if (!settings.estimator.empty()) text += "--estimator: " + settings.estimator + "\n";
+  if (!settings.rule.empty()) text += "--rule: " + settings.rule + "\n";
+  if (settings.positions) text += std::string("--positions: ") + (*settings.positions ? "yes" : "no") + "\n";
+  if (settings.live) text += "--live: yes\n";
+  return text;
+}
+
+}  // namespace sightline_ros
