@@ -9,6 +9,7 @@
 #include "sightline/ros/nodes/track_display_node.h"
 #include "sightline/ros/nodes/track_evaluator_node.h"
 #include "sightline/ros/nodes/track_fusion_node.h"
+#include "sightline/ros/nodes/track_outputs_node.h"
 #include "sightline/ros/nodes/truth_publisher_node.h"
 
 namespace sightline_ros {
@@ -20,6 +21,7 @@ using TruthPublisherNodelet = NodeletOf<TruthPublisherNode>;
 using TrackDisplayNodelet = NodeletOf<TrackDisplayNode>;
 using TrackEvaluatorNodelet = NodeletOf<TrackEvaluatorNode>;
 using TrackFusionNodelet = NodeletOf<TrackFusionNode>;
+using TrackOutputsNodelet = NodeletOf<TrackOutputsNode>;
 using PositionDisplayNodelet = NodeletOf<PositionDisplayNode>;
 using PositionTrackerNodelet = NodeletOf<PositionTrackerNode>;
 
@@ -32,5 +34,6 @@ PLUGINLIB_EXPORT_CLASS(sightline_ros::TruthPublisherNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::TrackDisplayNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::TrackEvaluatorNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::TrackFusionNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(sightline_ros::TrackOutputsNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::PositionDisplayNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(sightline_ros::PositionTrackerNodelet, nodelet::Nodelet)

@@ -23,7 +23,7 @@ namespace report = sightline::report;
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 
 std::set<std::string> sensorsOf(const formats::Recording& recording) {
   std::set<std::string> sensors;
@@ -53,7 +53,7 @@ sightline::SightingArray messageOf(const formats::FileScan& scan, const std::str
   message.header.stamp = stampOf(scan);
   message.header.frame_id = frame;
   message.sensor = sensor;
-  message.ifov = message.detection_probability = message.clutter_density = kNaN;
+  message.ifov = message.detection_probability = message.clutter_density = kNotGiven;
   for (const formats::FileSighting& from : scan.sightings) {
     sightline::Sighting sighting;
     sighting.azimuth = from.angles.x();
