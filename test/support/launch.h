@@ -12,8 +12,11 @@
 /// roslaunch of one of the package's files under way; it is ended with the object.
 class Launch {
  public:
-  Launch(const std::string& file, const std::vector<std::string>& arguments) {
-    std::vector<std::string> words = {"roslaunch", "--no-summary", "sightline", file};
+  /// `prefix`: a command that runs roslaunch, with its arguments.
+  Launch(const std::string& file, const std::vector<std::string>& arguments,
+         const std::vector<std::string>& prefix = {}) {
+    std::vector<std::string> words = prefix;
+    words.insert(words.end(), {"roslaunch", "--no-summary", "sightline", file});
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
