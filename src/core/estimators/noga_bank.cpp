@@ -83,7 +83,7 @@ void ResponseBank::setBelief(int model, const ResponseBelief& belief) {
 /// The block's part of an array of one number a model; zero beyond the last model.
 ResponseBank::Lanes ResponseBank::lanesOf(const ModeArray& array, int block) {
   Lanes lanes = Lanes::Zero();
-  const Eigen::Index first = block * kLanes;
+  const Eigen::Index first = Eigen::Index(block) * kLanes;
   const Eigen::Index count = std::min<Eigen::Index>(kLanes, array.size() - first);
   for (Eigen::Index i = 0; i < count; ++i) lanes(i) = array(first + i);
   return lanes;
