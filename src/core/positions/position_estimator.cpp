@@ -121,7 +121,7 @@ void PositionEstimator::dropSlot(int slot) {
   for (Eigen::Index mode = 0; mode < chain_.probabilities().size(); ++mode)
     removeSlot(beliefs_[static_cast<std::size_t>(mode)], slot);
   for (int i = slot; i + 1 < slot_count_; ++i)
-    slots_[static_cast<std::size_t>(i)] = slots_[static_cast<std::size_t>(i + 1)];
+    slots_[static_cast<std::size_t>(i)] = slots_[static_cast<std::size_t>(i) + 1];
   --slot_count_;
 }
 

@@ -42,8 +42,9 @@ PositionScene::PositionScene(const PositionSceneParams& params)
       hypotheses_(params.hypotheses),
       review_(params.hypotheses),
       alignment_(params.alignment) {
-  PositionEstimator{params.estimator};  // both throw for a parameter out of range
-  StationNoise{params.noise};
+  // Both throw for a parameter out of range.
+  static_cast<void>(PositionEstimator(params.estimator));
+  static_cast<void>(StationNoise(params.noise));
 }
 
 int PositionScene::trackerNumber(const std::string& name) {

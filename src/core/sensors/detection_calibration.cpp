@@ -110,15 +110,20 @@ double DetectionCalibration::solidAngle(const Scan& scan) const {
 }
 
 double DetectionCalibration::clutterDensity(const Scan& scan) const {
+  return clutterDensity(scan, solidAngle(scan));
+}
+
+/// `area`: over which its sensor's false sightings are spread [sr].
+double DetectionCalibration::clutterDensity(const Scan& scan, double area) const {
   const double stated = scan.clutter_density >= 0.0 ? scan.clutter_density : params_.clutter_density;
-  const double area = solidAngle(scan);
   if (stated >= 0.0) return std::max(stated, kLeastClutter / area);
   const CalibratedDetection* sensor = find(scan.sensor);
   return clutterOf(sensor == nullptr ? unknownSensor() : *sensor, scan) / area;
 }
 
 double DetectionCalibration::clutter(const Scan& scan) const {
-  return clutterDensity(scan) * solidAngle(scan);
+  const double area = solidAngle(scan);
+  return clutterDensity(scan, area) * area;
 }
 
 double DetectionCalibration::newTargetOdds(const Scan& scan) const {

@@ -13,7 +13,7 @@ geometry_msgs::TransformStamped boresightTransform(const std::string& optical_fr
                           sightline::core::R_boresight_optical().transpose());
 }
 
-BoresightBroadcaster::BoresightBroadcaster(ros::NodeHandle nh)
+BoresightBroadcaster::BoresightBroadcaster(const ros::NodeHandle& nh)
     : repetition_(nh.createWallTimer(ros::WallDuration(kSecondsBetweenStaticTransforms),
                                      [this](const ros::WallTimerEvent&) { broadcast(); })) {}
 

@@ -26,10 +26,10 @@ std::vector<std::uint8_t> bytesOf(const topic_tools::ShapeShifter& message) {
 
 }  // namespace
 
-SightingAdapterNode::SightingAdapterNode(ros::NodeHandle nh, ros::NodeHandle pnh)
+SightingAdapterNode::SightingAdapterNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
     : SightingAdapterNode(nh, pnh, ParamReader(pnh)) {}
 
-SightingAdapterNode::SightingAdapterNode(ros::NodeHandle nh, const ros::NodeHandle& pnh,
+SightingAdapterNode::SightingAdapterNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh,
                                          const ParamReader& reader)
     : nh_(nh), boresights_(nh) {
   for (AdapterTopic& topic : loadAdapterTopics(reader)) {

@@ -28,7 +28,7 @@ constexpr double kWarning = 60.0;               // between two of the same kind 
 
 /// The namespace in which the node runs without the leading slash, or its own name in the root.
 std::string sensorNamedAfter(const ros::NodeHandle& nh, const ros::NodeHandle& pnh) {
-  const std::string space = nh.getNamespace();
+  const std::string& space = nh.getNamespace();
   return space.size() > 1 ? space.substr(1) : pnh.getNamespace().substr(1);
 }
 
@@ -41,10 +41,11 @@ bool isGrey(const std::string& encoding) {
 
 }  // namespace
 
-SpotDetectorNode::SpotDetectorNode(ros::NodeHandle nh, ros::NodeHandle pnh)
+SpotDetectorNode::SpotDetectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
     : SpotDetectorNode(nh, pnh, ParamReader(pnh)) {}
 
-SpotDetectorNode::SpotDetectorNode(ros::NodeHandle nh, const ros::NodeHandle& pnh, const ParamReader& reader)
+SpotDetectorNode::SpotDetectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh,
+                                   const ParamReader& reader)
     : nh_(nh),
       params_(loadSpotDetectorParams(reader)),
       detector_(params_.detector),

@@ -64,7 +64,8 @@ std::vector<PositionResult> PositionTrackerComponent::add(Message message, const
     results.back().refusals.push_back(std::move(*refusal));
     return results;
   }
-  waiting_[headerOf(message).frame_id].push_back({std::move(message), topic, now});
+  std::deque<Waiting>& of_frame = waiting_[headerOf(message).frame_id];
+  of_frame.push_back({std::move(message), topic, now});
   ++waiting_count_;
   return onTransforms(now);
 }

@@ -57,8 +57,7 @@ void SensorRecord::takeStamp(core::Time stamp, core::Time arrival) {
 }
 
 void SensorRecord::takeSightings(const sightline::SightingArray& scan) {
-  for (std::size_t i = 0; i < scan.sightings.size(); ++i) {
-    const sightline::Sighting& sighting = scan.sightings[i];
+  for (const sightline::Sighting& sighting : scan.sightings) {
     const Eigen::Vector2d angles(sighting.azimuth, sighting.elevation);
     const Eigen::Matrix2d covariance =
         Eigen::Map<const Eigen::Matrix<double, 2, 2, Eigen::RowMajor>>(sighting.covariance.data());

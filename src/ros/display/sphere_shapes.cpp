@@ -50,7 +50,7 @@ Eigen::Matrix<double, 3, 2> tangentBasis(const Eigen::Vector2d& angles) {
 
 Eigen::Vector3d walk(const Eigen::Vector2d& angles, const Eigen::Vector2d& tangent) {
   const double length = tangent.norm();
-  const Eigen::Vector3d start = sightline::core::directionOf(angles);
+  Eigen::Vector3d start = sightline::core::directionOf(angles);
   if (length == 0.0) return start;
   return std::cos(length) * start + (std::sin(length) / length) * (tangentBasis(angles) * tangent);
 }
@@ -125,7 +125,7 @@ Directions rectanglePatch(const AngleRectangle& rectangle, double step) {
                                         Eigen::Vector2d(size.x() * column / columns, size.y() * row / rows));
   };
   Directions triangles;
-  triangles.reserve(static_cast<std::size_t>(6 * columns * rows));
+  triangles.reserve(6 * static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   for (int column = 0; column < columns; ++column) {
     for (int row = 0; row < rows; ++row) {
       const Eigen::Vector3d a = corner(column, row), b = corner(column + 1, row);

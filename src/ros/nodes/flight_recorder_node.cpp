@@ -70,7 +70,7 @@ bool isOfTracking(const ros::master::TopicInfo& topic) {
          topic.name == "/diagnostics";
 }
 
-FlightRecorderNode::FlightRecorderNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
+FlightRecorderNode::FlightRecorderNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     : nh_(nh),
       name_(nameOfNode(private_nh)),
       guard_(name_),
@@ -200,7 +200,7 @@ std::string FlightRecorderNode::save(const std::string& kind, const std::optiona
   try {
     if (messages.empty()) throw std::runtime_error("nothing has been received yet: see ~topics");
     if (incident) makeRoomFor(bytes);
-    const std::string path = nameOfBag(params_.folder, kind).string();
+    std::string path = nameOfBag(params_.folder, kind).string();
     writeBag(path, {}, [&](rosbag::Bag& bag) {
       write(bag, messages);
       std_msgs::String reason;

@@ -29,10 +29,11 @@ std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHa
 
 }  // namespace
 
-LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh)
+LocalTrackerNode::LocalTrackerNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
     : LocalTrackerNode(nh, pnh, ParamReader(pnh)) {}
 
-LocalTrackerNode::LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh, const ParamReader& reader)
+LocalTrackerNode::LocalTrackerNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh,
+                                   const ParamReader& reader)
     : nh_(nh),
       guard_(nameOfNode(pnh)),
       component_(reader, nameOfNode(pnh), transforms_),

@@ -52,7 +52,7 @@ PositionDisplayParams loadPositionDisplayParams(const ParamReader& reader) {
   return params;
 }
 
-PositionDisplayNode::PositionDisplayNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
+PositionDisplayNode::PositionDisplayNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     : nh_(nh),
       guard_(nameOfNode(private_nh)),
       params_([&private_nh] {

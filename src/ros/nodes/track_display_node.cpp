@@ -125,7 +125,7 @@ std::vector<std::string> channelsOf(const std::vector<std::string>& sighting_top
   return channels;
 }
 
-TrackDisplayNode::TrackDisplayNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
+TrackDisplayNode::TrackDisplayNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     : nh_(nh),
       guard_(nameOfNode(private_nh)),
       params_([&private_nh] {

@@ -94,7 +94,7 @@ TrackEvaluatorParams loadTrackEvaluatorParams(const ParamReader& reader) {
   return params;
 }
 
-TrackEvaluatorNode::TrackEvaluatorNode(ros::NodeHandle nh, ros::NodeHandle pnh)
+TrackEvaluatorNode::TrackEvaluatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
     : nh_(nh),
       guard_(nameOfNode(pnh)),
       params_(loadAll(ParamReader(pnh))),

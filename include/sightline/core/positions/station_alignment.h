@@ -54,7 +54,7 @@ class StationAlignment {
   int stations() const { return static_cast<int>(is_seen_.size()); }
 
  private:
-  static constexpr int kStates = 4;  // of a station: clock, orientation
+  static constexpr Eigen::Index kStates = 4;  // of a station: clock, orientation
   void makeRoomFor(int station);
   bool knows(int station) const;
   void solve() const;

@@ -74,6 +74,7 @@ class DetectionCalibration {
   const std::vector<CalibratedDetection>& sensors() const { return sensors_; }
 
  private:
+  double clutterDensity(const Scan& scan, double area) const;
   const CalibratedDetection* find(const std::string& sensor) const;
   double solidAngle(const Scan& scan) const;
 

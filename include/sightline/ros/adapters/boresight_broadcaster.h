@@ -18,7 +18,7 @@ geometry_msgs::TransformStamped boresightTransform(const std::string& optical_fr
 /// frames.
 class BoresightBroadcaster {
  public:
-  explicit BoresightBroadcaster(ros::NodeHandle nh);
+  explicit BoresightBroadcaster(const ros::NodeHandle& nh);
 
   /// From now on `<optical_frame>_boresight` is published.
   void add(const std::string& optical_frame);

@@ -27,7 +27,7 @@ namespace sightline_ros {
 class SightingAdapterNode {
  public:
   /// Throws ParamError.
-  SightingAdapterNode(ros::NodeHandle nh, ros::NodeHandle pnh);
+  SightingAdapterNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
 
  private:
   /// One entry of the configuration at work.
@@ -43,7 +43,7 @@ class SightingAdapterNode {
                   unused_count = 0;
   };
 
-  SightingAdapterNode(ros::NodeHandle nh, const ros::NodeHandle& pnh, const ParamReader& reader);
+  SightingAdapterNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const ParamReader& reader);
 
   void start(Source& source);
   template <typename Message>

@@ -26,10 +26,10 @@ namespace sightline_ros {
 class SpotDetectorNode {
  public:
   /// Throws ParamError.
-  SpotDetectorNode(ros::NodeHandle nh, ros::NodeHandle pnh);
+  SpotDetectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
 
  private:
-  SpotDetectorNode(ros::NodeHandle nh, const ros::NodeHandle& pnh, const ParamReader& reader);
+  SpotDetectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const ParamReader& reader);
 
   void onCameraInfo(const sensor_msgs::CameraInfo& camera);
   void onImage(const sensor_msgs::Image::ConstPtr& image);

@@ -47,7 +47,7 @@ bool isOfTracking(const ros::master::TopicInfo& topic);
 /// changes. Saving does not hold up receiving.
 class FlightRecorderNode {
  public:
-  FlightRecorderNode(ros::NodeHandle nh, ros::NodeHandle private_nh);
+  FlightRecorderNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
   ~FlightRecorderNode();
 
  private:

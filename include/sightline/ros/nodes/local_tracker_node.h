@@ -25,10 +25,10 @@ namespace sightline_ros {
 class LocalTrackerNode {
  public:
   /// Throws ParamError.
-  LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh);
+  LocalTrackerNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
 
  private:
-  LocalTrackerNode(ros::NodeHandle nh, ros::NodeHandle pnh, const ParamReader& reader);
+  LocalTrackerNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const ParamReader& reader);
 
   void subscribe(const std::vector<std::string>& topics);
   void onScan(const sightline::SightingArray::ConstPtr& scan);

@@ -49,7 +49,7 @@ PositionDisplayParams loadPositionDisplayParams(const ParamReader& reader);
 /// rate whatever comes in.
 class PositionDisplayNode {
  public:
-  PositionDisplayNode(ros::NodeHandle nh, ros::NodeHandle private_nh);
+  PositionDisplayNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
 
  private:
   void loadScenarioThere();

@@ -65,7 +65,7 @@ std::vector<std::string> channelsOf(const std::vector<std::string>& sighting_top
 /// in.
 class TrackDisplayNode {
  public:
-  TrackDisplayNode(ros::NodeHandle nh, ros::NodeHandle private_nh);
+  TrackDisplayNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
 
  private:
   void subscribe();

@@ -47,7 +47,7 @@ TrackEvaluatorParams loadTrackEvaluatorParams(const ParamReader& reader);
 class TrackEvaluatorNode {
  public:
   /// Throws ParamError, also when the table's file cannot be written.
-  TrackEvaluatorNode(ros::NodeHandle nh, ros::NodeHandle pnh);
+  TrackEvaluatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
   ~TrackEvaluatorNode();
 
   TrackEvaluatorNode(const TrackEvaluatorNode&) = delete;
