@@ -101,9 +101,8 @@ std::shared_ptr<XmlRpcValue> treeBelow(const ros::NodeHandle& nh) {
 ParamReader::ParamReader(const ros::NodeHandle& nh)
     : ParamReader(treeBelow(nh), nh.getNamespace(), std::make_shared<Memory>()) {}
 
-ParamReader::ParamReader(XmlRpcValue tree, std::string name)
-    : ParamReader(std::make_shared<XmlRpcValue>(std::move(tree)), std::move(name),
-                  std::make_shared<Memory>()) {}
+ParamReader::ParamReader(const XmlRpcValue& tree, std::string name)
+    : ParamReader(std::make_shared<XmlRpcValue>(tree), std::move(name), std::make_shared<Memory>()) {}
 
 ParamReader::ParamReader(std::shared_ptr<XmlRpcValue> tree, std::string name, std::shared_ptr<Memory> memory)
     : tree_(std::move(tree)), name_(std::move(name)), memory_(std::move(memory)) {
@@ -209,16 +208,17 @@ bool ParamReader::flag(const std::string& key, bool fallback) const {
 
 std::string ParamReader::text(const std::string& key, const std::string& fallback) const {
   XmlRpcValue* value = find(key);
-  const std::string text = value != nullptr ? checkedText(fullName(key), *value) : fallback;
+  std::string text = value != nullptr ? checkedText(fullName(key), *value) : fallback;
   remember(key, value != nullptr && text == fallback);
   return text;
 }
 
 std::string ParamReader::choice(const std::string& key, const std::string& fallback,
                                 const std::vector<std::string>& choices) const {
-  const std::string chosen = text(key, fallback);
+  std::string chosen = text(key, fallback);
   if (std::find(choices.begin(), choices.end(), chosen) == choices.end()) {
-    throw error(key, "expected one of " + joined(choices, ", ") + ", got the string " + quoted(chosen));
+    throw error(key, "expected one of " + joined(choices, ", ") + ", got the string " +
+                         sightline_ros::quoted(chosen));  // not std::quoted
   }
   return chosen;
 }

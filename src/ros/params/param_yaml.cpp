@@ -21,7 +21,7 @@ bool matches(const std::string& text, const char* pattern) {
   return std::regex_match(text, std::regex(pattern));
 }
 
-std::string without(std::string text, char unwanted) {
+std::string without(const std::string& text, char unwanted) {
   std::string rest;
   for (char letter : text) {
     if (letter != unwanted) rest += letter;

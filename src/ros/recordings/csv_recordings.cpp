@@ -96,7 +96,7 @@ sightline::SightingArray emptyScan(const ros::Time& stamp, const std::string& se
 }
 
 double sigma(const sightline::Track& track, int channel) {
-  return std::sqrt(track.covariance[channel * 5]);
+  return std::sqrt(track.covariance[5 * static_cast<std::size_t>(channel)]);
 }
 
 /// Rows of a scan, of name `scan`, for csv_to_bag.

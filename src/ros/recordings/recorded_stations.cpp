@@ -16,7 +16,6 @@
 
 namespace sightline_ros {
 
-namespace core = sightline::core;
 using sightline::SightingArray;
 
 namespace {

@@ -148,8 +148,8 @@ void Replay::addStations(const RecordedStations& found, const std::set<std::stri
                          const ParamReader& config, const ReplaySettings& settings) {
   output_.replacePositions();
   // Also where no station has several sensors: what is wrong in that section is said.
-  LocalTrackerComponent(sectionOf(config, "sensor_fusion", "estimator", settings.estimator), "sensor_fusion",
-                        transforms_.buffer());
+  static_cast<void>(LocalTrackerComponent(sectionOf(config, "sensor_fusion", "estimator", settings.estimator),
+                                          "sensor_fusion", transforms_.buffer()));
   const auto parts = topicPartsOf(sensors);
   for (const RecordedStation& station : found.stations) {
     const ParamReader local = sectionOf(config, "local_tracker", "estimator", settings.estimator)

@@ -301,7 +301,7 @@ std::string truthTopicOf(const rosbag::Bag& bag) {
 }
 
 std::string evaluateForReport(const std::string& bag, const BagEvaluationSettings& settings) {
-  const std::string tables = evaluateBag(bag, settings);
+  std::string tables = evaluateBag(bag, settings);
   writeReportData(*openBag(bag), settings.csv);
   writeSettings(bag, settings);
   TextFile console(settings.csv + "/console.txt");

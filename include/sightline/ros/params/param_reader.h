@@ -27,7 +27,7 @@ class ParamReader {
   explicit ParamReader(const ros::NodeHandle& nh);
 
   /// A tree at hand (a struct, or invalid for "no parameters"); `name` is put before every key in messages.
-  ParamReader(XmlRpc::XmlRpcValue tree, std::string name);
+  ParamReader(const XmlRpc::XmlRpcValue& tree, std::string name);
 
   /// A YAML file, its scalars typed as roslaunch types them: `1e-3` is a string there, `deg(0.5)` is in
   /// radians.
