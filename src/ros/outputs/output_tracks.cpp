@@ -25,7 +25,7 @@ constexpr double kFastest = 3e8;       // [m/s]
 constexpr double kAsymmetry = 1e-6;    // of an entry, relative to the two sigmas
 constexpr double kLargestRatio = 1e6;  // density over position variance [1/s^3], as `kLargestDensityRatio`
 
-std::optional<core::Refusal> rejectionOfPosition(const MetricState& state) {
+std::optional<core::Refusal> rejectionOfState(const MetricState& state) {
   if (!state.mean.allFinite() || !state.covariance.allFinite())
     return core::invalid("state or covariance is not finite");
   if (state.position().norm() > kFarthest || state.velocity().norm() > kFastest)
@@ -43,10 +43,6 @@ std::optional<core::Refusal> rejectionOfPosition(const MetricState& state) {
 
 std::optional<core::Refusal> rejectionOfState(const AngularState& state) {
   return core::rejectionOf(state);
-}
-
-std::optional<core::Refusal> rejectionOfState(const MetricState& state) {
-  return rejectionOfPosition(state);
 }
 
 AngularState stateOf(const sightline::Track& track) {
