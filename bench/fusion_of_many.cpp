@@ -5,6 +5,7 @@
 #include <deque>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -187,7 +188,8 @@ ManyTargetsFigures followMany(const ManyTargets& scene) {
         tracklets->tracker = sensor.name;
         fusion.onTracklets(*tracklets);
       }
-      const core::FusionReport fused = fusion.onReport({sensor.name, tracked.time, tracked.tracks});
+      std::optional<core::FusionReport> fused;
+      if (!fusion.take({sensor.name, tracked.time, tracked.tracks}) && fusion.isDue()) fused = fusion.fuse();
       figures.tracker_time += between - before;
       figures.fusion_time += processorTime() - between;
       if (t < 1.0 + kSettled) continue;
@@ -197,9 +199,11 @@ ManyTargetsFigures followMany(const ManyTargets& scene) {
         truths.push_back(target.at(t));
         biased.push_back(target.at(t) + sensor.bias);
       }
-      std::vector<core::Track> global;
-      for (const core::FusedTrack& track : fused.tracks) global.push_back(track.track);
-      bookkeeping.look(truths, global, figures);
+      if (fused) {
+        std::vector<core::Track> global;
+        for (const core::FusedTrack& track : fused->tracks) global.push_back(track.track);
+        bookkeeping.look(truths, global, figures);
+      }
       local_bookkeeping[k].look(biased, tracked.tracks, local_figures);
     }
   }

@@ -126,7 +126,8 @@ class Platform {
       tracklets->tracker = source.name;
       fusion_.onTracklets(*tracklets);
     }
-    const core::FusionReport fused = fusion_.onReport({source.name, tracked.time, tracked.tracks});
+    if (fusion_.take({source.name, tracked.time, tracked.tracks}) || !fusion_.isDue()) return;
+    const core::FusionReport fused = fusion_.fuse();
     account.take(fused.tracks, fused.time);
   }
 

@@ -25,9 +25,12 @@ class WatchedFusion {
   WatchedFusion(RandomInput& input, Trial& trial)
       : input_(input), trial_(trial), fusion_(randomFusion(input)) {}
 
+  /// In turn as a node does it, and at once.
   void take(const core::LocalReport& report) {
+    is_at_once_ = !is_at_once_;
     trial_.call("TrackFusion::onReport", [&] {
-      const core::FusionReport fused = fusion_.onReport(report, arrival_);
+      if (!is_at_once_ && (fusion_.take(report, arrival_) || !fusion_.isDue())) return;
+      const core::FusionReport fused = is_at_once_ ? fusion_.onReport(report, arrival_) : fusion_.fuse();
       requireSound(fused);
       for (const core::FusedTrack& track : fused.tracks) {
         require(track.track.id > highest_before_reset_, "an id of before the reset is used again");
@@ -55,6 +58,7 @@ class WatchedFusion {
   Trial& trial_;
   core::TrackFusion fusion_;
   std::optional<core::Time> arrival_;
+  bool is_at_once_ = false;
   std::uint32_t highest_ = 0, highest_before_reset_ = 0;
 };
 

@@ -96,7 +96,7 @@ std::vector<double> positionShares(const std::vector<Eigen::Matrix4d>& gains) {
 }
 
 void describeFusion(const GlobalTrack& track, const std::vector<std::size_t>& used,
-                    const std::vector<double>& shares, const std::string& reporting,
+                    const std::vector<double>& shares, const NewReports& new_reports,
                     FusedTrack& description) {
   std::vector<const Track*> contributors;
   description.sources.clear();
@@ -106,7 +106,8 @@ void describeFusion(const GlobalTrack& track, const std::vector<std::size_t>& us
     description.sources.push_back(rowOf(supporter, track.time()));
     description.sources.back().weight = shares[i];
     description.track.sources.push_back(supporter.key.tracker);
-    if (supporter.key.tracker == reporting) ++description.track.hits;
+    if (const auto reports = new_reports.find(supporter.key.tracker); reports != new_reports.end())
+      description.track.hits += reports->second;
     contributors.push_back(&supporter.track);
   }
   summarize(contributors, description.track);

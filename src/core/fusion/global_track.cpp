@@ -153,7 +153,8 @@ void GlobalTrack::compareSupporters(const TrackerMisalignment& registration) {
 }
 
 std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const TrackerMisalignment& registration,
-                                                             double threshold, const std::string& reporting) {
+                                                             double threshold,
+                                                             const NewReports& new_reports) {
   const std::size_t asked = usable().size();
   std::vector<std::size_t> contradicting;
   for (;;) {
@@ -180,7 +181,7 @@ std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const TrackerMisali
     if (!supporters_[number].contradicts_since) supporters_[number].contradicts_since = time_;
   }
   for (const std::size_t number : usable()) {
-    if (supporters_[number].key.tracker == reporting) supporters_[number].contradicts_since.reset();
+    if (new_reports.count(supporters_[number].key.tracker) > 0) supporters_[number].contradicts_since.reset();
   }
   std::sort(contradicting.begin(), contradicting.end());
   return contradicting;

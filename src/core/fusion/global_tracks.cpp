@@ -43,19 +43,19 @@ void leaveOutBiased(GlobalTrackEntry& entry) {
 GlobalTracks::GlobalTracks(const TrackFusionParams& params)
     : params_(params), thresholds_(thresholdsOf(params)) {}
 
-void GlobalTracks::follow(const LocalReports& reports, const std::string& reporting) {
+void GlobalTracks::follow(const LocalReports& reports, const NewReports& new_reports) {
   if (reports.newest() < time_) reset();  // the trackers' stamps start again
   time_ = reports.newest();
   for (GlobalTrackEntry& entry : entries_) {
     entry.track.advance(time_);
-    followReports(entry, reports, reporting);
+    followReports(entry, reports, new_reports);
     leaveOutBiased(entry);
   }
 }
 
 /// Renews the supporters from the reports.
 void GlobalTracks::followReports(GlobalTrackEntry& entry, const LocalReports& reports,
-                                 const std::string& reporting) {
+                                 const NewReports& new_reports) {
   for (std::size_t i = entry.track.supporters().size(); i-- > 0;) {
     const LocalKey key = entry.track.supporters()[i].key;
     const std::uint32_t hits_before = entry.track.supporters()[i].track.hits;
@@ -68,7 +68,7 @@ void GlobalTracks::followReports(GlobalTrackEntry& entry, const LocalReports& re
       continue;
     }
     entry.track.setUnusable(i, reports.whyUnusable(key.tracker, *local));
-    if (entry.track.supporters()[i].unusable || key.tracker != reporting) continue;
+    if (entry.track.supporters()[i].unusable || new_reports.count(key.tracker) == 0) continue;
     LocalTrack honest = *local;
     honest.track.state.covariance *= entry.tracklets.noiseScale(key);
     const double surprise = entry.track.renew(i, honest);

@@ -192,10 +192,10 @@ void TrackAssociation::learnMisalignment(const GlobalTracks& tracks, const std::
 }
 
 void TrackAssociation::splitContradicting(GlobalTracks& tracks, const TrackletMemory& memory,
-                                          const std::string& reporting) const {
+                                          const NewReports& new_reports) const {
   for (GlobalTrackEntry& entry : tracks.entries()) {
     const std::vector<std::size_t> contradicting =
-        entry.track.leaveOutContradictions(misalignment_, thresholds_.contradict, reporting);
+        entry.track.leaveOutContradictions(misalignment_, thresholds_.contradict, new_reports);
     for (auto number = contradicting.rbegin(); number != contradicting.rend(); ++number) {
       const Supporter& supporter = entry.track.supporters()[*number];
       const bool lasts = seconds(tracks.time() - *supporter.contradicts_since) >= params_.leave_after;
@@ -352,7 +352,7 @@ void TrackAssociation::start(const LocalKey& key, GlobalTracks& tracks, const Lo
       waiting_[key] = entry.track.id();
     } else {
       entry.track.join(key, local);
-      entry.track.leaveOutContradictions(misalignment_, thresholds_.contradict, key.tracker);
+      entry.track.leaveOutContradictions(misalignment_, thresholds_.contradict, {{key.tracker, 1}});
     }
     return;
   }

@@ -171,7 +171,7 @@ CombinedState combine(GlobalTrackEntry& entry, const TrackletMemory& memory, con
   return fromStates(entry.track, params);
 }
 
-TrackletLosses fuse(GlobalTrackEntry& entry, const std::string& reporting, const TrackletMemory& memory,
+TrackletLosses fuse(GlobalTrackEntry& entry, const NewReports& new_reports, const TrackletMemory& memory,
                     const TrackFusionParams& params, const DistanceThresholds& thresholds) {
   TrackletLosses losses = feedTracklets(entry, memory, params);
   leaveOutBiased(entry);
@@ -182,7 +182,7 @@ TrackletLosses fuse(GlobalTrackEntry& entry, const std::string& reporting, const
     describeCoasting(entry.track, entry.report);
   } else {
     entry.track.setFused(combined.contributors.used, combined.state);
-    describeFusion(entry.track, combined.contributors.used, combined.shares, reporting, entry.report);
+    describeFusion(entry.track, combined.contributors.used, combined.shares, new_reports, entry.report);
   }
   return losses;
 }

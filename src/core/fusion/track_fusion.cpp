@@ -18,26 +18,38 @@ TrackFusion::TrackFusion(const TrackFusionParams& params)
     : params_(params),
       thresholds_(thresholdsOf(params)),
       reports_(params.reports),
+      rounds_(params.max_wait),
       tracklets_(memoryParamsOf(params)),
       tracks_(params),
       association_(params) {
   requireValid(params);
 }
 
-FusionReport TrackFusion::onReport(const LocalReport& report, std::optional<Time> arrival) {
-  if (const auto refusal = reports_.take(report, arrival))
-    return describeRefused(latest_, report, *refusal, static_cast<std::size_t>(params_.reports.max_tracks));
-  tracks_.follow(reports_, report.tracker);
-  association_.learnMisalignment(tracks_, report.tracker);
-  association_.splitContradicting(tracks_, tracklets_, report.tracker);
-  association_.reassign(tracks_, reports_, tracklets_, report.tracker);
+std::optional<Refusal> TrackFusion::take(const LocalReport& report, std::optional<Time> arrival) {
+  auto refusal = reports_.take(report, arrival);
+  if (!refusal) rounds_.note(report.tracker, reports_);
+  return refusal;
+}
+
+FusionReport TrackFusion::fuse() {
+  const NewReports new_reports = rounds_.end(reports_);
+  tracks_.follow(reports_, new_reports);
+  for (const auto& [tracker, _] : new_reports) association_.learnMisalignment(tracks_, tracker);
+  association_.splitContradicting(tracks_, tracklets_, new_reports);
+  for (const auto& [tracker, _] : new_reports) association_.reassign(tracks_, reports_, tracklets_, tracker);
   for (const auto& [tracker, _] : reports_.trackers())
-    association_.associate(tracks_, reports_, tracklets_, tracker, tracker == report.tracker);
+    association_.associate(tracks_, reports_, tracklets_, tracker, new_reports.count(tracker) > 0);
   for (GlobalTrackEntry& entry : tracks_.entries())
-    add(fuse(entry, report.tracker, tracklets_, params_, thresholds_), losses_);
+    add(sightline::core::fuse(entry, new_reports, tracklets_, params_, thresholds_), losses_);
   tracks_.deleteSilent();
-  latest_ = describe(tracks_, reports_, association_.waiting());
-  return latest_;
+  return describe(tracks_, reports_, association_.waiting());
+}
+
+FusionReport TrackFusion::onReport(const LocalReport& report, std::optional<Time> arrival) {
+  if (const auto refusal = take(report, arrival))
+    return describeRefused(describe(tracks_, reports_, association_.waiting()), report, *refusal,
+                           static_cast<std::size_t>(params_.reports.max_tracks));
+  return fuse();
 }
 
 std::optional<Refusal> TrackFusion::onTracklets(const TrackletReport& report) {
@@ -46,10 +58,10 @@ std::optional<Refusal> TrackFusion::onTracklets(const TrackletReport& report) {
 
 void TrackFusion::reset() {
   reports_ = LocalReports(params_.reports);
+  rounds_ = ReportRounds(params_.max_wait);
   tracklets_ = TrackletMemory(memoryParamsOf(params_));
   tracks_.reset();
   association_.reset();
-  latest_ = {};
 }
 
 }  // namespace sightline::core

@@ -22,6 +22,7 @@ void requireValid(const TrackFusionParams& params) {
   check(params.registration_sigma >= 0.0, "registration_sigma >= 0 rad is required");
   check(params.process_noise >= 0.0,
         "process_noise >= 0 rad^2/s^3 is required (0 = implied by the covariances)");
+  check(params.max_wait >= 0.0, "max_wait >= 0 s is required (0 = every report is fused at once)");
   check(params.coasting_age >= 0.0 && params.delete_after >= 0.0 && params.remember >= 0.0,
         "coasting_age, delete_after and remember >= 0 s are required");
   check(params.reports.max_age > 0.0 && params.reports.forget_after >= params.reports.max_age,

@@ -153,12 +153,28 @@ FusionResult TrackFusionComponent::onTracks(const sightline::TrackArray& local, 
   auto answer = fusion_.take(Arrival{localReportOf(local), arrival});
   if (!answer) return refused(local, failed(local.tracker));
 
-  FusionResult result;
-  result.fused = std::make_shared<core::FusionReport>(std::move(std::get<core::FusionReport>(*answer)));
-  result.refusal = result.fused->refusal;
-  result.report = fusionReport(*result.fused);
-  if (result.refusal) return result;
+  const auto* refusal = std::get_if<std::optional<core::Refusal>>(&*answer);
+  if (refusal != nullptr && *refusal) return refused(local, **refusal);
   note(local.tracker, local.header, topic, origins_);
+  if (refusal != nullptr) return {};  // it waits
+  return fused(std::move(std::get<core::FusionReport>(*answer)));
+}
+
+std::optional<FusionResult> TrackFusionComponent::fuseWaiting() {
+  if (!isWaiting()) return std::nullopt;
+  auto answer = fusion_.take(EndOfWait{});
+  if (!answer) {
+    FusionResult result;
+    result.refusal = failed("those that waited");
+    return result;
+  }
+  return fused(std::move(std::get<core::FusionReport>(*answer)));
+}
+
+FusionResult TrackFusionComponent::fused(core::FusionReport&& report) {
+  FusionResult result;
+  result.fused = std::make_shared<core::FusionReport>(std::move(report));
+  result.report = fusionReport(*result.fused);
   result.tracks = trackArray(*result.fused);
   latest_ = result.fused;
   return result;
@@ -179,13 +195,19 @@ std::optional<core::Refusal> TrackFusionComponent::onTracklets(const sightline::
 }
 
 TrackFusionComponent::Answer TrackFusionComponent::handle(core::TrackFusion& fusion, const Input& input) {
-  if (const auto* tracks = std::get_if<Arrival>(&input)) return fusion.onReport(tracks->report, tracks->time);
-  return fusion.onTracklets(std::get<core::TrackletReport>(input));
+  if (const auto* tracklets = std::get_if<core::TrackletReport>(&input))
+    return fusion.onTracklets(*tracklets);
+  if (const auto* tracks = std::get_if<Arrival>(&input)) {
+    auto refusal = fusion.take(tracks->report, tracks->time);
+    if (refusal || !fusion.isDue()) return refusal;
+  }
+  return fusion.fuse();
 }
 
 std::size_t TrackFusionComponent::sizeOf(const Input& input) {
   if (const auto* tracks = std::get_if<Arrival>(&input)) return tracks->report.tracks.size();
-  return std::get<core::TrackletReport>(input).tracklets.size();
+  const auto* tracklets = std::get_if<core::TrackletReport>(&input);
+  return tracklets == nullptr ? 0 : tracklets->tracklets.size();
 }
 
 /// The last message failed, of that tracker. What fails at every message for long will not mend itself.

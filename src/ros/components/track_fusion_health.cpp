@@ -33,13 +33,18 @@ TrackFusionHealth::TrackFusionHealth(const std::vector<std::string>& topics, dou
 
 void TrackFusionHealth::note(const sightline::TrackArray& local, const std::string& topic,
                              const FusionResult& result) {
-  if (result.refusal) return complain(*result.refusal);
+  if (result.refusal) return noteFusion(result);
   Source& source = sources_[topic];
   ++source.messages;
   source.tracker = local.tracker;
   source.tracks = local.tracks.size();
   source.newest = toCore(local.header.stamp);
+  noteFusion(result);
+}
 
+void TrackFusionHealth::noteFusion(const FusionResult& result) {
+  if (result.refusal) complain(*result.refusal);
+  if (!result.tracks) return;
   tracks_.fill(0);
   for (const auto& track : result.tracks->tracks) {
     if (track.status < tracks_.size()) ++tracks_[track.status];
@@ -73,6 +78,7 @@ void TrackFusionHealth::noteSensors(const sightline::FusedTrack& track) {
 
 std::vector<std::string> TrackFusionHealth::sensorLines(const FusionResult& result, core::Time now) {
   std::vector<std::string> lines;
+  if (!result.report) return lines;
   for (const auto& track : result.report->tracks) {
     for (const auto& change : track.sensor_changes) {
       if (changes_.size() >= kMostSensors && changes_.count(change.sensor) == 0) continue;

@@ -29,6 +29,9 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
     status.addf("largest distance of sensors [m]", "%.1f", component_.places()->spread());
     guard_.diagnose(status);
   });
+  end_of_wait_ =
+      nh_.createTimer(ros::Duration(component_.maxWait()),
+                      guard_("a timer", [this](const ros::TimerEvent&) { onEndOfWait(); }), true, false);
   tracks_ = nh_.advertise<sightline::TrackArray>("fusion/tracks", kQueue);
   report_ = nh_.advertise<sightline::FusionReport>("fusion/report", kQueue);
 
@@ -57,9 +60,31 @@ void TrackFusionNode::onTracks(const sightline::TrackArray::ConstPtr& local, con
   const sightline::core::Time now = clockNow();
   noticeTimeJump(now);
   const FusionResult result = component_.onTracks(*local, topic, now);
-  if (result.tracks) tracks_.publish(result.tracks);
-  report_.publish(result.report);
   health_.note(*local, topic, result);
+  publish(result, now);
+  timeWait();
+}
+
+/// Others were expected and did not come.
+void TrackFusionNode::onEndOfWait() {
+  const auto result = component_.fuseWaiting();
+  if (!result) return timeWait();
+  health_.noteFusion(*result);
+  publish(*result, clockNow());
+  timeWait();
+}
+
+/// The timer runs while something waits.
+void TrackFusionNode::timeWait() {
+  if (component_.isWaiting() == is_wait_timed_) return;
+  is_wait_timed_ = component_.isWaiting();
+  end_of_wait_.stop();
+  if (is_wait_timed_) end_of_wait_.start();
+}
+
+void TrackFusionNode::publish(const FusionResult& result, sightline::core::Time now) {
+  if (result.tracks) tracks_.publish(result.tracks);
+  if (result.report) report_.publish(result.report);
   health_.noteFailures(component_.failedTracklets());
   for (const std::string& line : health_.sensorLines(result, now))
     ROS_WARN_STREAM(component_.name() << ": " << line);

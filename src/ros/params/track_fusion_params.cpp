@@ -62,6 +62,7 @@ core::TrackFusionParams loadTrackFusionParams(const ParamReader& reader, core::T
       gate.number("registration_sigma", params.registration_sigma, atLeast(0.0), "rad");
 
   params.process_noise = reader.number("process_noise", params.process_noise, atLeast(0.0), "rad^2/s^3");
+  params.max_wait = reader.number("max_wait", params.max_wait, atLeast(0.0), "s");
   params.coasting_age = reader.number("coasting_age", params.coasting_age, atLeast(0.0), "s");
   params.delete_after = reader.number("delete_after", params.delete_after, atLeast(0.0), "s");
   params.remember = reader.number("remember", params.remember, atLeast(0.0), "s");

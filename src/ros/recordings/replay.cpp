@@ -88,6 +88,8 @@ class Replay {
   void sendOverdueTracklets(core::Time now);
   void sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets);
   void locate(const sightline::TrackArray::ConstPtr& tracks, const std::string& topic);
+  void fuseWaiting();
+  void note(const FusionResult& fused, const ros::Time& stamp);
   void note(const std::vector<PositionResult>& results);
   void noteRefusal(const std::optional<core::Refusal>& refusal);
   void noteLeftOut(const core::FusionReport& report);
@@ -216,6 +218,7 @@ ReplaySummary Replay::run(const rosbag::Bag& in) {
     if (!due.restart) break;
   }
   sendOverdueTracklets(core::Time::max());
+  fuseWaiting();
   InputLimits limits;
   limits.stand_apart = has_positions_;
   summary_.findings = examination_.findings(transforms_.buffer(), commonFrame(), limits);
@@ -231,6 +234,7 @@ void Replay::follow(const DueScans& due) {
 /// The stamps of the recording went back: trackers, fusion and positions forget everything.
 void Replay::startAnew(core::Time time) {
   sendOverdueTracklets(core::Time::max());
+  fuseWaiting();
   transforms_.rewind();
   withEachTracker([time](Tracker& tracker) { tracker.component.startAnew(time); });
   fusion_.reset();
@@ -279,8 +283,19 @@ void Replay::use(const Tracker& tracker, const std::vector<TrackerReport>& repor
 
 void Replay::fuse(const sightline::TrackArray& tracks, const std::string& topic) {
   const FusionResult fused = fusion_.onTracks(tracks, topic, core::Time{});
-  output_.write(fused, tracks.header.stamp);
+  note(fused, tracks.header.stamp);
+}
+
+/// Reports that waited for others at the recording's end, or before its stamps go back.
+void Replay::fuseWaiting() {
+  if (const auto fused = fusion_.fuseWaiting())
+    note(*fused, fused->tracks ? fused->tracks->header.stamp : ros::Time());
+}
+
+void Replay::note(const FusionResult& fused, const ros::Time& stamp) {
   noteRefusal(fused.refusal);
+  if (!fused.report) return;
+  output_.write(fused, stamp);
   noteLeftOut(*fused.fused);
 }
 

@@ -51,7 +51,7 @@ TEST(FusionReport, SharesAreThoseOfThePositionGainsAndSumToOne) {
 TEST(FusionReport, ContributorsAreListedWithTheirSharesAndTheTrackHasTheirStatus) {
   const GlobalTrack track = twoSupporters();
   FusedTrack description;
-  describeFusion(track, {0, 1}, {0.6, 0.4}, "b", description);
+  describeFusion(track, {0, 1}, {0.6, 0.4}, {{"b", 1}}, description);
   ASSERT_EQ(test::sourcesOf(description), (Names{"a 1", "b 4"}));
   EXPECT_EQ(description.sources[0].weight, 0.6);
   EXPECT_FALSE(description.sources[0].reason);
@@ -59,13 +59,13 @@ TEST(FusionReport, ContributorsAreListedWithTheirSharesAndTheTrackHasTheirStatus
   EXPECT_EQ(description.track.status, TrackStatus::confirmed);
   EXPECT_EQ(description.track.hits, 1u) << "b reported";
   EXPECT_FALSE(description.withheld);
-  describeFusion(track, {0}, {1.0}, "b", description);
+  describeFusion(track, {0}, {1.0}, {{"b", 1}}, description);
   EXPECT_EQ(description.track.hits, 1u) << "b did not contribute";
 }
 
 TEST(FusionReport, WithoutContributorsTheTrackCoasts) {
   FusedTrack description;
-  describeFusion(twoSupporters(), {0}, {1.0}, "a", description);
+  describeFusion(twoSupporters(), {0}, {1.0}, {{"a", 1}}, description);
   describeCoasting(twoSupporters(), description);
   EXPECT_TRUE(description.sources.empty());
   EXPECT_EQ(description.track.status, TrackStatus::coasting);
@@ -86,7 +86,7 @@ TEST(FusionReport, ADistanceThatCannotBeComputedIsNotKnown) {
   track.join({"b", 4}, reported(no_number));
   track.compareSupporters(TrackerMisalignment(0.0));
   FusedTrack fused;
-  describeFusion(track, {0, 1}, {0.5, 0.5}, "b", fused);
+  describeFusion(track, {0, 1}, {0.5, 0.5}, {{"b", 1}}, fused);
   ASSERT_EQ(fused.sources.size(), 2u);
   for (const SourceTrack& source : fused.sources) EXPECT_TRUE(std::isnan(source.distance_squared));
 }
@@ -113,7 +113,7 @@ struct Fusion {
   explicit Fusion(const std::vector<Track>& tracks) {
     params.max_tracks = 1;
     reports.take(reportOf("a", 1.0, tracks));
-    global.follow(reports, "a");
+    global.follow(reports, {{"a", 1}});
   }
 
   TrackFusionParams params;
@@ -129,7 +129,7 @@ TEST(FusionReport, LocalTracksThatSupportNothingAreListedWithTheReason) {
       {localTrack(1, {0.1, 0.2}), tentative, coasting, localTrack(4, {0.7, 0.2}), localTrack(5, {0.9, 0.2})});
   fusion.global.start({"a", 1}, *fusion.reports.find({"a", 1}));
   FusedTrack& description = fusion.global.entries()[0].report;
-  describeFusion(fusion.global.entries()[0].track, {0}, {1.0}, "a", description);
+  describeFusion(fusion.global.entries()[0].track, {0}, {1.0}, {{"a", 1}}, description);
   const FusionReport report = describe(fusion.global, fusion.reports, {{{"a", 5}, 1u}});
   EXPECT_EQ(report.time, at(1.0));
   EXPECT_EQ(report.tracks.size(), 1u);
@@ -141,7 +141,7 @@ TEST(FusionReport, ATrackThatIsWithheldIsNotShownAndItsSourcesAreLeftOut) {
   Fusion fusion({localTrack(1, {0.1, 0.2})});
   fusion.global.start({"a", 1}, *fusion.reports.find({"a", 1}));
   GlobalTrackEntry& entry = fusion.global.entries()[0];
-  describeFusion(entry.track, {0}, {1.0}, "a", entry.report);
+  describeFusion(entry.track, {0}, {1.0}, {{"a", 1}}, entry.report);
   entry.report.withheld = Refusal{"too uncertain", "134 rad"};
   const FusionReport report = describe(fusion.global, fusion.reports, {});
   EXPECT_TRUE(report.tracks.empty());

@@ -56,7 +56,8 @@ TEST(GlobalTrack, SupportersAreFoundByTheirTracker) {
 
 TEST(GlobalTrack, OneThatContradictsTheMajorityDoesNotCount) {
   GlobalTrack track = threeSupporters(0.2);
-  EXPECT_EQ(track.leaveOutContradictions(TrackerMisalignment(0.0), 37.0, "c"), (std::vector<std::size_t>{2}));
+  EXPECT_EQ(track.leaveOutContradictions(TrackerMisalignment(0.0), 37.0, {{"c", 1}}),
+            (std::vector<std::size_t>{2}));
   EXPECT_EQ(track.usable(), (std::vector<std::size_t>{0, 1}));
   EXPECT_EQ(track.supporters()[2].contradicts_since, at(1.0));
   EXPECT_FALSE(track.supporters()[0].contradicts_since);
@@ -64,7 +65,7 @@ TEST(GlobalTrack, OneThatContradictsTheMajorityDoesNotCount) {
 
 TEST(GlobalTrack, SupportersThatAgreeAllCount) {
   GlobalTrack track = threeSupporters(0.1);
-  EXPECT_TRUE(track.leaveOutContradictions(TrackerMisalignment(0.0), 37.0, "c").empty());
+  EXPECT_TRUE(track.leaveOutContradictions(TrackerMisalignment(0.0), 37.0, {{"c", 1}}).empty());
   EXPECT_EQ(track.usable().size(), 3u);
   for (const Supporter& supporter : track.supporters()) EXPECT_NEAR(supporter.distance_squared, 0.0, 1e-9);
 }

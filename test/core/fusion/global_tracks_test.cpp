@@ -18,7 +18,7 @@ struct Followed {
 
   void report(const std::string& tracker, double t, const std::vector<Track>& tracks) {
     reports.take(reportOf(tracker, t, tracks));
-    global.follow(reports, tracker);
+    global.follow(reports, {{tracker, 1}});
     for (const Track& track : tracks) {
       const Ids supporters = global.supportersOf(tracker);
       if (std::find(supporters.begin(), supporters.end(), track.id) == supporters.end())
@@ -65,7 +65,7 @@ TEST(GlobalTracks, FollowPredictsToTheNewestReportAndRenewsTheReportingTracker) 
   Followed followed;
   followed.report("a", 1.0, {localTrack(1, {0.1, 0.2}, 1e-3, {0.1, 0.0})});
   followed.reports.take(reportOf("b", 1.4, {}));
-  followed.global.follow(followed.reports, "b");
+  followed.global.follow(followed.reports, {{"b", 1}});
   EXPECT_EQ(followed.global.time(), at(1.4));
   const GlobalTrack& track = followed.global.entries()[0].track;
   EXPECT_NEAR(track.chart().toTracking(track.supporters()[0].state).mean(0), 0.14, 1e-3);

@@ -16,9 +16,9 @@ using Ids = std::vector<std::uint32_t>;
 struct Associated {
   void report(const std::string& tracker, double t, const std::vector<Track>& tracks) {
     reports.take(reportOf(tracker, t, tracks));
-    global.follow(reports, tracker);
+    global.follow(reports, {{tracker, 1}});
     association.learnMisalignment(global, tracker);
-    association.splitContradicting(global, memory, tracker);
+    association.splitContradicting(global, memory, {{tracker, 1}});
     association.reassign(global, reports, memory, tracker);
     association.associate(global, reports, memory, tracker, true);
     for (GlobalTrackEntry& entry : global.entries()) {

@@ -28,7 +28,7 @@ struct Combined {
     entry.track.compareSupporters(TrackerMisalignment(0.0));
   }
 
-  TrackletLosses fuseNow() { return fuse(entry, "b", memory, params, thresholdsOf(params)); }
+  TrackletLosses fuseNow() { return fuse(entry, {{"b", 1}}, memory, params, thresholdsOf(params)); }
 
   TrackFusionParams params;
   TrackletMemory memory{memoryParamsOf(params)};
@@ -86,7 +86,7 @@ TEST(TrackCombination, AStateThatIsNoTrackIsWithheld) {
   vague.track.state.covariance.col(1) *= 134.0e3;
   GlobalTrackEntry entry{
       GlobalTrack(1, at(1.0), {"a", 1}, vague, 0.0), TrackletFusion(combined.params.tracklets), {}, {}};
-  fuse(entry, "a", combined.memory, combined.params, thresholdsOf(combined.params));
+  fuse(entry, {{"a", 1}}, combined.memory, combined.params, thresholdsOf(combined.params));
   EXPECT_EQ(entry.report.withheld.value_or(Refusal{}).kind, "too uncertain");
 }
 

@@ -87,6 +87,37 @@ TEST(TrackFusion, OlderReportIsPredictedToTheCommonTimeWithGrowingCovariance) {
   EXPECT_LT(fused.sources[0].weight, 0.3) << "a prediction over a memory's length counts less";
 }
 
+TEST(TrackFusion, ARoundIsFusedOnceToWhatFusingAtEveryReportGives) {
+  TrackFusionParams params;
+  params.rule = FusionRule::weighted_covariance;  // of states alone, without memory
+  TrackFusion in_rounds(params), at_once(params);
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0.0, 1e-3);
+  int rounds = 0;
+  for (int k = 0; k < 30; ++k) {
+    for (const char* tracker : {"a", "b", "c"}) {
+      Track track = localTrack(1, Vector2d(0.1 + noise(random), 0.2), 1e-3);
+      const LocalReport report = reportOf(tracker, 1.0 + 0.1 * k, {track});
+      const FusionReport last = at_once.onReport(report);
+      ASSERT_FALSE(in_rounds.take(report));
+      if (!in_rounds.isDue()) continue;
+      const FusionReport fused = in_rounds.fuse();
+      EXPECT_FALSE(in_rounds.hasNewReports());
+      if (k < 2) continue;
+      ++rounds;
+      ASSERT_EQ(fused.tracks.size(), 1u);
+      EXPECT_EQ(fused.time, at(1.0 + 0.1 * k));
+      EXPECT_EQ(sourcesOf(fused.tracks[0]), (Names{"a 1", "b 1", "c 1"})) << k;
+      EXPECT_EQ(fused.tracks[0].track.id, last.tracks.at(0).track.id);
+      EXPECT_EQ(fused.tracks[0].track.hits, last.tracks[0].track.hits) << "every report is a hit";
+      EXPECT_TRUE(fused.tracks[0].track.state.mean.isApprox(last.tracks[0].track.state.mean, 1e-9));
+      EXPECT_TRUE(
+          fused.tracks[0].track.state.covariance.isApprox(last.tracks[0].track.state.covariance, 1e-9));
+    }
+  }
+  EXPECT_EQ(rounds, 28);
+}
+
 TEST(TrackFusion, TwoTargetsStayTwo) {
   TrackFusion fusion({});
   fusion.onReport(reportOf("a", 1.0, {localTrack(1, {0.1, 0.2}), localTrack(2, {0.13, 0.2})}));

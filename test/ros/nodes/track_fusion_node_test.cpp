@@ -169,6 +169,15 @@ TEST_F(TrackFusionNode, FusionGoesOnWhenASourceDiesAndTakesItBack) {
   EXPECT_EQ(tracks_->tracks[0].id, id);
 }
 
+TEST_F(TrackFusionNode, TheLastReportComesOutThoughNoOtherFollows) {
+  for (int round = 0; round < 5; ++round) {
+    ASSERT_TRUE(eventually([this] { return sourcesIn(*tracks_) == kBoth; }, [this] { speakBoth(); }));
+    const ros::Time stamp = ros::Time::now();
+    a_.publish(tracksOf("a", stamp));  // about when b's is expected
+    EXPECT_TRUE(eventually([this, stamp] { return tracks_->header.stamp == stamp; })) << round;
+  }
+}
+
 TEST_F(TrackFusionNode, GarbageCovarianceIsLeftOutWithItsReason) {
   ASSERT_TRUE(eventually([this] { return sourcesIn(*tracks_) == kBoth; }, [this] { speakBoth(); }));
   ASSERT_TRUE(eventually([this] { return sourcesIn(*tracks_) == std::vector<std::string>{"a"}; },

@@ -142,8 +142,10 @@ TEST_F(Replay, EveryScanGivesTracksOfItsSensorAndOfAllSensors) {
   EXPECT_EQ(countOf(file("out.bag"), "/sensors/right/tracks"), 200u);
   EXPECT_EQ(countOf(file("out.bag"), "/sensors/right/associations"), 200u);
   EXPECT_EQ(countOf(file("out.bag"), "/sensor_fusion/tracks"), 400u);
-  EXPECT_EQ(countOf(file("out.bag"), "/fusion/tracks"), 400u);
-  EXPECT_EQ(countOf(file("out.bag"), "/fusion/report"), 400u);
+  const std::size_t fusions = countOf(file("out.bag"), "/fusion/tracks");
+  EXPECT_GE(fusions, 200u);
+  EXPECT_LE(fusions, 210u) << "one a round of both, and one a report until their pace is known";
+  EXPECT_EQ(countOf(file("out.bag"), "/fusion/report"), fusions);
 }
 
 TEST_F(Replay, TargetIsTrackedInTheTrackingFrameOfTheTurningPlatform) {
@@ -168,7 +170,7 @@ TEST_F(Replay, TwoRunsGiveTheSameBytes) {
   replay(file("in.bag"), file("one.bag"), {});
   replay(file("in.bag"), file("two.bag"), {});
   const auto tracks = tracksIn(file("one.bag"));
-  EXPECT_EQ(tracks.size(), 1200u);
+  EXPECT_EQ(tracks.size(), 800u + countOf(file("one.bag"), "/fusion/tracks"));
   EXPECT_TRUE(tracks == tracksIn(file("two.bag")));
 }
 
@@ -275,7 +277,7 @@ TEST_F(Replay, ARecordingOfALoopIsTrackedAgainFromItsStart) {
     const auto tracks = message.instantiate<sightline::TrackArray>();
     of_the_end += tracks->header.stamp > ros::Time(kStart + 5.0) && tracks->tracks.size() == 1 ? 1 : 0;
   }
-  EXPECT_GT(of_the_end, 100);
+  EXPECT_GT(of_the_end, 50);
 }
 
 TEST_F(Replay, ASensorAnHourAheadDoesNotDisturbTheOthers) {
@@ -343,7 +345,7 @@ TEST_F(Replay, FusedTrackIsMadeOfBothSensorsTracks) {
     EXPECT_EQ(fused->tracker, "fusion");
     if (std::any_of(fused->tracks.begin(), fused->tracks.end(), is_of_both)) ++with_both;
   }
-  EXPECT_GE(with_both, 300u);
+  EXPECT_GE(with_both, 150u);
 }
 
 TEST_F(Replay, FusedTrackKnowsWhatTheTrackerOverAllSensorsKnows) {
@@ -371,7 +373,7 @@ TEST_F(Replay, FusedTrackKnowsWhatTheTrackerOverAllSensorsKnows) {
       for (const auto& track : report->tracks) by_tracklets += track.rule == "tracklets" ? 1 : 0;
     }
   }
-  EXPECT_GT(by_tracklets, 300u);
+  EXPECT_GT(by_tracklets, 150u);
   // Where all trackers took the same sightings the two are equal; now and then clutter goes to one of them.
   std::size_t compared = 0, equal = 0;
   for (const auto& [stamp, track] : fused) {
@@ -380,7 +382,7 @@ TEST_F(Replay, FusedTrackKnowsWhatTheTrackerOverAllSensorsKnows) {
     ++compared;
     if (std::abs(track.azimuth - other->second.azimuth) < 0.01 * std::sqrt(track.covariance[0])) ++equal;
   }
-  EXPECT_GT(compared, 200u);
+  EXPECT_GT(compared, 100u);
   EXPECT_GT(equal, compared * 8 / 10);
 }
 

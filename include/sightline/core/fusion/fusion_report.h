@@ -59,10 +59,10 @@ struct FusionReport {
 /// Each source's share in the fused position, summing to one: by the position block of its gain.
 std::vector<double> positionShares(const std::vector<Eigen::Matrix4d>& gains);
 
-/// Describes that `used` made the track's state, with these shares; `reporting` is the tracker whose report
-/// caused the fusion.
+/// Describes that `used` made the track's state, with these shares. Their `new_reports` are the track's hits.
 void describeFusion(const GlobalTrack& track, const std::vector<std::size_t>& used,
-                    const std::vector<double>& shares, const std::string& reporting, FusedTrack& description);
+                    const std::vector<double>& shares, const NewReports& new_reports,
+                    FusedTrack& description);
 
 /// Describes that no supporter did, and the state is a prediction.
 void describeCoasting(const GlobalTrack& track, FusedTrack& description);

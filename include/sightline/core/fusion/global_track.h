@@ -79,10 +79,10 @@ class GlobalTrack {
   /// The same; and those farther from the others than `threshold` [1] do not count, the worst first (of two,
   /// the one that came later), until the rest agree; if that would be less than half of them,
   /// nobody is right and all count. Returns their numbers, ascending. Since when a supporter
-  /// contradicts is remembered until it agrees in a report of its own (`reporting` is the tracker that sent
-  /// one now), as a prediction agrees the easier the older it is.
+  /// contradicts is remembered until it agrees in a new report of its own, as a prediction agrees the easier
+  /// the older it is.
   std::vector<std::size_t> leaveOutContradictions(const TrackerMisalignment& registration, double threshold,
-                                                  const std::string& reporting);
+                                                  const NewReports& new_reports);
 
   /// What all usable supporters say together (as if independent), or without any the predicted last estimate;
   /// in this chart.

@@ -46,9 +46,9 @@ class GlobalTracks {
   const std::vector<GlobalTrackEntry>& entries() const { return entries_; }
 
   /// Predicts every global track to the newest report and renews its supporters from the reports; removes
-  /// those that their tracker does not report any more, or reports as another target. `reporting` is the
-  /// tracker whose report is new. Starts again when the trackers' stamps do.
-  void follow(const LocalReports& reports, const std::string& reporting);
+  /// those that their tracker does not report any more, or reports as another target. `new_reports`: since
+  /// the last time. Starts again when the trackers' stamps do.
+  void follow(const LocalReports& reports, const NewReports& new_reports);
 
   /// The global track without supporters that this local track supported last, and would continue; size() of
   /// the entries when there is none.
@@ -75,7 +75,7 @@ class GlobalTracks {
   void reset();
 
  private:
-  void followReports(GlobalTrackEntry& entry, const LocalReports& reports, const std::string& reporting);
+  void followReports(GlobalTrackEntry& entry, const LocalReports& reports, const NewReports& new_reports);
 
   /// A local track of a global one that has been deleted.
   struct Retired {

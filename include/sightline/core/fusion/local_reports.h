@@ -34,6 +34,9 @@ struct LocalKey {
   }
 };
 
+/// Reports since the last fusion: how many, by tracker.
+using NewReports = std::map<std::string, std::uint32_t>;
+
 /// A local track as last reported.
 struct LocalTrack {
   Track track;

@@ -28,7 +28,7 @@ class TrackAssociation {
   /// Supporters that contradict the others do not count; those that have contradicted them for `leave_after`
   /// are removed, unless a biased sensor explains it.
   void splitContradicting(GlobalTracks& tracks, const TrackletMemory& memory,
-                          const std::string& reporting) const;
+                          const NewReports& new_reports) const;
 
   /// Moves those of the tracker's supporters that have supported the wrong global track for `leave_after`
   /// (their tracker took one target for another, or started a second track), all of a group at once. A free

@@ -39,9 +39,8 @@ TrackletLosses feedTracklets(GlobalTrackEntry& entry, const TrackletMemory& memo
 CombinedState combine(GlobalTrackEntry& entry, const TrackletMemory& memory, const TrackFusionParams& params,
                       const DistanceThresholds& thresholds);
 
-/// The whole step: tracklets, sensors that are biased, the new state and its report. `reporting` is the
-/// tracker whose report caused it.
-TrackletLosses fuse(GlobalTrackEntry& entry, const std::string& reporting, const TrackletMemory& memory,
+/// The whole step: tracklets, sensors that are biased, the new state and its report. `new_reports` caused it.
+TrackletLosses fuse(GlobalTrackEntry& entry, const NewReports& new_reports, const TrackletMemory& memory,
                     const TrackFusionParams& params, const DistanceThresholds& thresholds);
 
 }  // namespace sightline::core

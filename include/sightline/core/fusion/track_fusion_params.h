@@ -25,6 +25,10 @@ struct TrackFusionParams {
   /// [rad^2/s^3], >= 0; 0 = what each local track's covariance implies.
   double process_noise = 0.0;
 
+  /// Longest that a report waits for those of other trackers that are expected meanwhile, to be fused with
+  /// them once [s], >= 0; 0 = it is fused at once.
+  double max_wait = 0.05;
+
   double coasting_age = 0.5;  ///< a coasting local track counts so long after its last sighting [s], >= 0
   /// A global track that no tracker reports any more is not shown. A new local track may go on with it for so
   /// long [s], >= 0 ...

@@ -21,7 +21,7 @@
 
 namespace sightline_ros {
 
-/// What a fusion says of one message.
+/// What a fusion says of one message. All is null when the message waits to be fused with others.
 struct FusionResult {
   sightline::TrackArray::Ptr tracks;  ///< the global tracks; null when the message was refused
   sightline::FusionReport::Ptr
@@ -52,6 +52,13 @@ class TrackFusionComponent {
   /// known.
   FusionResult onTracks(const sightline::TrackArray& local, const std::string& topic,
                         sightline::core::Time now);
+
+  /// Fuses what waits for others that did not come; nullopt when nothing waits. To be called `maxWait` after
+  /// a message began to wait, and at the end of a recording.
+  std::optional<FusionResult> fuseWaiting();
+
+  bool isWaiting() const { return fusion_.state().hasNewReports(); }
+  double maxWait() const { return params_.max_wait; }  ///< of a message for others [s]
 
   /// Takes the tracklets of one local tracker that came on `topic`, for the fusions that follow. Returns why
   /// they, or some of them, were refused; nullopt when they were not.
@@ -98,7 +105,9 @@ class TrackFusionComponent {
     sightline::core::LocalReport report;
     std::optional<sightline::core::Time> time;
   };
-  using Input = std::variant<Arrival, sightline::core::TrackletReport>;
+  struct EndOfWait {};
+  using Input = std::variant<Arrival, sightline::core::TrackletReport, EndOfWait>;
+  /// A refusal or nothing of a message that did not lead to a fusion.
   using Answer = std::variant<sightline::core::FusionReport, std::optional<sightline::core::Refusal>>;
 
   static Answer handle(sightline::core::TrackFusion& fusion, const Input& input);
@@ -109,6 +118,7 @@ class TrackFusionComponent {
                                                     const Origins& origins, sightline::core::Time now) const;
   void note(const std::string& tracker, const std_msgs::Header& header, const std::string& topic,
             Origins& origins) const;
+  FusionResult fused(sightline::core::FusionReport&& report);
   FusionResult refused(const sightline::TrackArray& local, const sightline::core::Refusal& why) const;
   sightline::TrackArray::Ptr trackArray(const sightline::core::FusionReport& fused) const;
   sightline::FusionReport::Ptr fusionReport(const sightline::core::FusionReport& fused) const;

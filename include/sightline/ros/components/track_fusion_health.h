@@ -29,6 +29,9 @@ class TrackFusionHealth {
 
   void note(const sightline::TrackArray& local, const std::string& topic, const FusionResult& result);
 
+  /// A fusion of messages that waited, noted before.
+  void noteFusion(const FusionResult& result);
+
   /// What became of a message of tracklets; of all, `late` were too late so far.
   void noteTracklets(const sightline::TrackletArray& local,
                      const std::optional<sightline::core::Refusal>& refusal, std::size_t late);

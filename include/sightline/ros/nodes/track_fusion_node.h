@@ -7,6 +7,7 @@
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <ros/subscriber.h>
+#include <ros/timer.h>
 #include <sightline/TrackArray.h>
 #include <sightline/TrackletArray.h>
 #include <tf2/buffer_core.h>
@@ -32,6 +33,9 @@ class TrackFusionNode {
 
   void onTracks(const sightline::TrackArray::ConstPtr& local, const std::string& topic);
   void onTracklets(const sightline::TrackletArray::ConstPtr& local, const std::string& topic);
+  void onEndOfWait();
+  void timeWait();
+  void publish(const FusionResult& result, sightline::core::Time now);
   void noticeTimeJump(sightline::core::Time now);
 
   ros::NodeHandle nh_;
@@ -45,6 +49,8 @@ class TrackFusionNode {
   ros::Publisher tracks_;
   ros::Publisher report_;
   std::vector<ros::Subscriber> subscribers_;
+  ros::Timer end_of_wait_;      // of reports for others
+  bool is_wait_timed_ = false;  // the timer runs
   std::optional<PeriodicDiagnostics> diagnostics_;
 };
 
