@@ -62,7 +62,8 @@ void ImmEstimator::update(const Measurement& measurement) {  // (S-18), (S-27)
     motions_ = predicted(h);
     ModeArray log_likelihoods(modes());
     for (int mode = 0; mode < modes(); ++mode)
-      log_likelihoods(mode) = condition(motions_[mode], measurement.position, measurement.covariance);
+      log_likelihoods(mode) =
+          condition(motions_[mode], measurement.position, measurement.covariance).logLikelihood();
     chain_.update(h / revisit_.unit(h), log_likelihoods);
     revisit_.note(h);
   } else {

@@ -87,7 +87,7 @@ TEST(Kinematics, ConditionsAsTheTextbookDoes) {
   R << 0.02, 0.01, 0.01, 0.03;
   const Eigen::Vector2d z(0.4, -0.2);
   Motion<6> posterior = prior;
-  const double log_likelihood = condition(posterior, z, R);
+  const double log_likelihood = condition(posterior, z, R).logLikelihood();
 
   Eigen::Matrix<double, 2, 6> H = Eigen::Matrix<double, 2, 6>::Zero();
   H.leftCols<2>().setIdentity();

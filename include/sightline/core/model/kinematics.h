@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "sightline/core/model/sphere.h"
@@ -77,32 +76,58 @@ inline void addWhiteJerk(Motion<6>& motion, const Eigen::Matrix2d& density, doub
   add(2, 2, age);
 }
 
-/// Makes the motion agree with a sighting at `position` [rad] of covariance `R` [rad^2], positive definite;
-/// the covariance in Joseph form. Returns the log likelihood of the innovation, log N(innovation; 0, S).
+/// How likely a sighting was: its innovation against the covariance S of that.
+struct InnovationLikelihood {
+  double distance_squared = 0.0;  ///< normalised [1]
+  double determinant = 0.0;       ///< of S [rad^4]
+
+  /// log N(innovation; 0, S).
+  double logLikelihood() const {
+    constexpr double kLog2Pi = 1.8378770664093454836;
+    return -0.5 * (distance_squared + std::log(determinant)) - kLog2Pi;
+  }
+};
+
+/// Makes the motion agree with a sighting at `position` [rad] of covariance `R` [rad^2], positive definite:
+/// the gain K = P H^T S^-1, S = P_pp + R, by S = L D L^T in closed form. With C = R S^-1, free of the
+/// cancellation of I - K H, the covariance becomes C P_pp of the position, C P_pr between it and the rest,
+/// and in Joseph form P_rr - K_r P_pr - (K_r P_pr)^T + K_r S K_r^T of the rest.
 template <int N>
-double condition(Motion<N>& motion, const Eigen::Vector2d& position, const Eigen::Matrix2d& R) {
-  using Columns = Eigen::Matrix<double, N, 2>;
+InnovationLikelihood condition(Motion<N>& motion, const Eigen::Vector2d& position, const Eigen::Matrix2d& R) {
+  constexpr int kRest = N - 2;
+  using Rest = Eigen::Matrix<double, kRest, 2>;
   auto& P = motion.covariance;
-  const Eigen::Matrix2d S = symmetric(P.template topLeftCorner<2, 2>() + R);
-  const Eigen::LLT<Eigen::Matrix2d> llt(S);
-  const Columns K = llt.solve(P.template topRows<2>()).transpose();
+  const double s00 = P(0, 0) + R(0, 0), s01 = 0.5 * (P(0, 1) + P(1, 0) + R(0, 1) + R(1, 0)),
+               s11 = P(1, 1) + R(1, 1);
+  const double l = s01 / s00, d = s11 - l * s01;
+  const double per_s00 = 1.0 / s00, per_d = 1.0 / d;
+  const auto perS = [&](const auto& rows) {  // rows S^-1
+    auto solved = rows.eval();
+    solved.col(1) = (rows.col(1) - l * rows.col(0)) * per_d;
+    solved.col(0) = rows.col(0) * per_s00 - l * solved.col(1);
+    return solved;
+  };
+  const Eigen::Matrix2d Ppp = P.template topLeftCorner<2, 2>();
+  const Rest Prp = P.template bottomLeftCorner<kRest, 2>();
+  const Eigen::Matrix2d Kp = perS(Ppp), C = perS(R);
+  const Rest Kr = perS(Prp);
   const Eigen::Vector2d innovation = position - motion.mean.template head<2>();
-  motion.mean += K * innovation;
+  motion.mean.template head<2>() += Kp * innovation;
+  motion.mean.template tail<kRest>() += Kr * innovation;
 
-  // (I - K H) P (I - K H)^T + K R K^T. Only the first two columns of I - K H are not those of I; its upper
-  // left block is R S^-1, free of the cancellation of 1 - K.
-  Columns A = -K;
-  A.template topRows<2>() = llt.solve(R).transpose();
-  Eigen::Matrix<double, N, N> AP = A * P.template topRows<2>();
-  AP.template bottomRows<N - 2>() += P.template bottomRows<N - 2>();
-  const Columns KR = K * R;
-  Eigen::Matrix<double, N, N> updated = AP.template leftCols<2>() * A.transpose() + KR * K.transpose();
-  updated.template rightCols<N - 2>() += AP.template rightCols<N - 2>();
-  P = symmetric(updated);
+  Eigen::Matrix2d S;
+  S << s00, s01, s01, s11;
+  const Eigen::Matrix<double, kRest, kRest> KP = Kr * Prp.transpose();
+  const Rest KS = Kr * S;
+  P.template topLeftCorner<2, 2>() = symmetric(C * Ppp);
+  const Rest rest = Prp * C.transpose();
+  P.template bottomLeftCorner<kRest, 2>() = rest;
+  P.template topRightCorner<2, kRest>() = rest.transpose();
+  P.template bottomRightCorner<kRest, kRest>() =
+      symmetric(P.template bottomRightCorner<kRest, kRest>() - KP - KP.transpose() + KS * Kr.transpose());
 
-  const double log_det = 2.0 * std::log(llt.matrixLLT()(0, 0) * llt.matrixLLT()(1, 1));
-  constexpr double kLog2Pi = 1.8378770664093454836;
-  return -0.5 * (llt.matrixL().solve(innovation).squaredNorm() + log_det) - kLog2Pi;
+  const double second = innovation(1) - l * innovation(0);
+  return {innovation(0) * innovation(0) * per_s00 + second * second * per_d, s00 * d};
 }
 
 /// The same motion in a frame turned by R_new_old (constant in time). Means transform exactly; the covariance
