@@ -17,6 +17,12 @@ constexpr double kUprightAzimuth = 120.0 * kDegree;  // far enough from its wrap
 constexpr double kTiltedHolds =
     30.0 * kDegree;  // distance from its origin up to which a tilted chart is kept
 
+/// Between an upright chart and the tracking frame azimuths differ by a constant, and nothing else does.
+AngularState shifted(AngularState state, double azimuth) {
+  state.mean(0) = wrapAngle(state.mean(0) + azimuth);
+  return state;
+}
+
 }  // namespace
 
 Chart Chart::around(const Eigen::Vector3d& direction) {
@@ -34,6 +40,7 @@ Chart Chart::following(const Eigen::Vector3d& direction) const {
 Chart Chart::around(const Eigen::Vector3d& direction, double tilt_above) {
   const Eigen::Vector2d angles = anglesOf(direction);
   Chart chart;
+  chart.azimuth_ = angles.x();
   chart.tilted_ = std::abs(angles.y()) > tilt_above;
   chart.R_chart_tracking_ = Eigen::AngleAxisd(-angles.x(), Eigen::Vector3d::UnitZ()).toRotationMatrix();
   if (chart.tilted_) {  // a positive turn about y lowers x: it brings the elevation to zero
@@ -54,8 +61,13 @@ Eigen::Vector2d Chart::coordinatesOf(const Eigen::Vector3d& direction_tracking) 
 }
 
 Eigen::Matrix2d Chart::covarianceOf(const Sighting& sighting_tracking) const {  // (S-12)
-  const Eigen::Matrix<double, 2, 3> A =
-      anglesJacobian(R_chart_tracking_ * sighting_tracking.direction) * R_chart_tracking_;
+  const Eigen::Vector3d& direction = sighting_tracking.direction;
+  Eigen::Matrix<double, 2, 3> A;
+  if (tilted_) {
+    A = anglesJacobian(R_chart_tracking_ * direction) * R_chart_tracking_;
+  } else {
+    A = anglesJacobian(direction);
+  }
   return symmetric(A * sighting_tracking.covariance * A.transpose());
 }
 
@@ -64,11 +76,11 @@ Eigen::Vector3d Chart::directionAt(const Eigen::Vector2d& coordinates) const {
 }
 
 AngularState Chart::toTracking(const AngularState& state_chart) const {
-  return rotateState(state_chart, R_chart_tracking_.transpose());
+  return tilted_ ? rotateState(state_chart, R_chart_tracking_.transpose()) : shifted(state_chart, azimuth_);
 }
 
 AngularState Chart::fromTracking(const AngularState& state_tracking) const {
-  return rotateState(state_tracking, R_chart_tracking_);
+  return tilted_ ? rotateState(state_tracking, R_chart_tracking_) : shifted(state_tracking, -azimuth_);
 }
 
 }  // namespace sightline::core

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include <Eigen/Geometry>
@@ -115,15 +116,25 @@ double DetectionCalibration::clutterDensity(const Scan& scan) const {
 
 /// `area`: over which its sensor's false sightings are spread [sr].
 double DetectionCalibration::clutterDensity(const Scan& scan, double area) const {
-  const double stated = scan.clutter_density >= 0.0 ? scan.clutter_density : params_.clutter_density;
-  if (stated >= 0.0) return std::max(stated, kLeastClutter / area);
-  const CalibratedDetection* sensor = find(scan.sensor);
-  return clutterOf(sensor == nullptr ? unknownSensor() : *sensor, scan) / area;
+  if (const auto stated = statedDensity(scan)) return std::max(*stated, kLeastClutter / area);
+  return learnedClutter(scan) / area;
 }
 
 double DetectionCalibration::clutter(const Scan& scan) const {
-  const double area = solidAngle(scan);
-  return clutterDensity(scan, area) * area;
+  if (const auto stated = statedDensity(scan)) return std::max(*stated * solidAngle(scan), kLeastClutter);
+  return learnedClutter(scan);
+}
+
+/// Of clutter [1/sr], by the scan or else the parameter.
+std::optional<double> DetectionCalibration::statedDensity(const Scan& scan) const {
+  const double stated = scan.clutter_density >= 0.0 ? scan.clutter_density : params_.clutter_density;
+  return stated >= 0.0 ? std::make_optional(stated) : std::nullopt;
+}
+
+/// False sightings expected in the scan by what its sensor has shown.
+double DetectionCalibration::learnedClutter(const Scan& scan) const {
+  const CalibratedDetection* sensor = find(scan.sensor);
+  return clutterOf(sensor == nullptr ? unknownSensor() : *sensor, scan);
 }
 
 double DetectionCalibration::newTargetOdds(const Scan& scan) const {

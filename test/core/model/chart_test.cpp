@@ -54,6 +54,26 @@ TEST(Chart, DirectionsAndStatesGoThereAndBack) {
   EXPECT_TRUE(back.covariance.isApprox(state.covariance, 1e-8));
 }
 
+TEST(Chart, UprightAndTiltedAreBothTheRotationOfTheirFrame) {
+  AngularState state;
+  state.mean << -3.1, 0.4, 0.3, -0.1;
+  state.covariance = Eigen::Vector4d(1e-4, 2e-6, 3e-3, 4e-5).asDiagonal();
+  state.covariance(0, 3) = state.covariance(3, 0) = 1e-5;
+  Eigen::Matrix2d sigmas;
+  sigmas << 1e-4, 3e-5, 3e-5, 4e-4;
+  const Sighting sighting = sightingOf(state.angles(), sigmas);
+  for (const Chart& chart :
+       {Chart::around(directionOf({3.1, 0.5})), Chart::around(directionOf({3.1, 1.4}))}) {
+    const AngularState expected = rotateState(state, chart.R_chart_tracking());
+    const AngularState in_chart = chart.fromTracking(state);
+    EXPECT_LT((in_chart.mean - expected.mean).norm(), 1e-12);
+    EXPECT_TRUE(in_chart.covariance.isApprox(expected.covariance, 1e-12));
+    EXPECT_LT((chart.toTracking(expected).mean - state.mean).norm(), 1e-12);
+    const Eigen::Matrix2d J = rotationJacobian(state.angles(), chart.R_chart_tracking());
+    EXPECT_TRUE(chart.covarianceOf(sighting).isApprox(J * sigmas * J.transpose(), 1e-11));
+  }
+}
+
 TEST(Chart, NearTheZenithASightingsCovarianceIsRoundInTheTiltedChart) {
   const double elevation = 1.56, sigma = 1e-3;
   const double azimuth_sigma = sigma / std::cos(elevation);

@@ -55,6 +55,7 @@ class Chart {
   static Chart around(const Eigen::Vector3d& direction, double tilt_above);
 
   Eigen::Matrix3d R_chart_tracking_ = Eigen::Matrix3d::Identity();
+  double azimuth_ = 0.0;  // of the chart's x axis in the tracking frame [rad]
   bool tilted_ = false;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,8 @@ class DetectionCalibration {
 
  private:
   double clutterDensity(const Scan& scan, double area) const;
+  std::optional<double> statedDensity(const Scan& scan) const;
+  double learnedClutter(const Scan& scan) const;
   const CalibratedDetection* find(const std::string& sensor) const;
   double solidAngle(const Scan& scan) const;
 
