@@ -28,10 +28,17 @@ void check(const ImmParams& params) {
   }
 }
 
-void forgetAcceleration(Motion<6>& motion) {
-  motion.mean.tail<2>().setZero();
-  motion.covariance.bottomRows<2>().setZero();
-  motion.covariance.rightCols<2>().setZero();
+Motion<4> withoutAcceleration(const Motion<6>& motion) {
+  return {motion.mean.head<4>(), motion.covariance.topLeftCorner<4, 4>()};
+}
+
+/// With an acceleration of covariance `unknown`, of which position and rate say nothing.
+Motion<6> withAcceleration(const Motion<4>& motion, const Eigen::Matrix2d& unknown) {
+  Motion<6> whole;
+  whole.mean.head<4>() = motion.mean;
+  whole.covariance.topLeftCorner<4, 4>() = motion.covariance;
+  whole.covariance.bottomRightCorner<2, 2>() = unknown;
+  return whole;
 }
 
 }  // namespace
@@ -59,7 +66,7 @@ void ImmEstimator::update(const Measurement& measurement) {  // (S-18), (S-27)
                   motions_[0].covariance.topLeftCorner<2, 2>() + measurement.covariance, h);
       setUnknown(h);
     }
-    motions_ = predicted(h);
+    predict(h, motions_);
     ModeArray log_likelihoods(modes());
     for (int mode = 0; mode < modes(); ++mode)
       log_likelihoods(mode) =
@@ -109,27 +116,33 @@ std::vector<Hypothesis> ImmEstimator::hypothesesAt(Time time) const {
   return hypothesesOf(chain_.predicted(h / revisit_.unit(h)), predicted(h).data());
 }
 
-/// What each model expects `h` seconds after the last sighting, after the models have interacted.
-ImmEstimator::Motions ImmEstimator::predicted(double h) const {  // (S-25), (S-26), (S-17)
+ImmEstimator::Motions ImmEstimator::predicted(double h) const {
+  Motions ahead;
+  predict(h, ahead);
+  return ahead;
+}
+
+/// What each model expects `h` seconds after the last sighting, after the models have interacted; `ahead` may
+/// be the present motions themselves.
+void ImmEstimator::predict(double h, Motions& ahead) const {  // (S-25), (S-26), (S-17)
   const double unit = revisit_.unit(h);
   const ModeArray own = chain_.ownShares(h / unit);
   const Motion<6> all = mixture(chain_.probabilities(), motions_.data());
-  Motions ahead;
+  const Motion<4> all_of_first_order = withoutAcceleration(all);
+  const Eigen::Matrix2d unknown = unknownAcceleration(unit);
   for (int mode = 0; mode < modes(); ++mode) {
     const ImmModel& model = params_.models[static_cast<std::size_t>(mode)];
-    Motion<6>& motion = ahead[mode] = mixture(own(mode), motions_[mode], all);
     if (model.order == 1) {
-      forgetAcceleration(motion);
+      Motion<4> motion = mixture(own(mode), withoutAcceleration(motions_[mode]), all_of_first_order);
       moveOn(motion, h);
       addWhiteAcceleration(motion, model.noise.accelerationFor(noise_.covariance(), unit), h);
-      motion.covariance.bottomRightCorner<2, 2>() = unknownAcceleration(unit);
+      ahead[mode] = withAcceleration(motion, unknown);
     } else {
+      Motion<6>& motion = ahead[mode] = mixture(own(mode), motions_[mode], all);
       moveOn(motion, h);
       addWhiteJerk(motion, model.noise.jerkFor(noise_.covariance(), unit), h);
     }
-    motion.covariance = symmetric(motion.covariance);
   }
-  return ahead;
 }
 
 /// Covariance of the acceleration by a model that has none.

@@ -17,10 +17,18 @@ constexpr double kUprightAzimuth = 120.0 * kDegree;  // far enough from its wrap
 constexpr double kTiltedHolds =
     30.0 * kDegree;  // distance from its origin up to which a tilted chart is kept
 
-/// Between an upright chart and the tracking frame azimuths differ by a constant, and nothing else does.
-AngularState shifted(AngularState state, double azimuth) {
-  state.mean(0) = wrapAngle(state.mean(0) + azimuth);
-  return state;
+/// The motion in a frame whose x axis lies at -`azimuth` in that of `state`, z axes alike: azimuths differ by
+/// a constant, and nothing else does.
+AngularState shifted(const AngularState& state, double azimuth) {
+  AngularState there = state;
+  there.mean(0) = wrapAngle(state.mean(0) + azimuth);
+  there.covariance = symmetric(state.covariance);
+  return there;
+}
+
+/// A prediction may go beyond a pole, where its coordinates are no azimuth and elevation.
+bool areAngles(const AngularState& state) {
+  return std::abs(state.mean(1)) <= kPi / 2.0;
 }
 
 }  // namespace
@@ -76,11 +84,13 @@ Eigen::Vector3d Chart::directionAt(const Eigen::Vector2d& coordinates) const {
 }
 
 AngularState Chart::toTracking(const AngularState& state_chart) const {
-  return tilted_ ? rotateState(state_chart, R_chart_tracking_.transpose()) : shifted(state_chart, azimuth_);
+  if (!tilted_ && areAngles(state_chart)) return shifted(state_chart, azimuth_);
+  return rotateState(state_chart, R_chart_tracking_.transpose());
 }
 
 AngularState Chart::fromTracking(const AngularState& state_tracking) const {
-  return tilted_ ? rotateState(state_tracking, R_chart_tracking_) : shifted(state_tracking, -azimuth_);
+  if (!tilted_ && areAngles(state_tracking)) return shifted(state_tracking, -azimuth_);
+  return rotateState(state_tracking, R_chart_tracking_);
 }
 
 }  // namespace sightline::core

@@ -72,7 +72,7 @@ void LocalTrackerHealth::note(const TrackerReport& report) {
     Sensor& sensor = sensorOf(report.scan->sensor);
     ++sensor.drops[report.refusal->kind];
     sensor.last_drops[report.refusal->kind] =
-        "in frame \"" + report.scan->header.frame_id + "\": " + report.refusal->detail;
+        "in frame \"" + report.scan->header.frame_id + "\": " + core::readableDetail(*report.refusal);
   }
   if (report.went_back) {
     for (auto& named : sensors_) named.second.last_scan = named.second.last_sighting = core::Time{};
@@ -112,7 +112,7 @@ std::optional<std::string> LocalTrackerHealth::warningAbout(const TrackerReport&
   warning << kind << " (" << counted.count - counted.count_warned << " new, " << counted.count
           << " in all), the last of sensor \"" << report.scan->sensor << "\" in frame \""
           << report.scan->header.frame_id << "\": "
-          << (report.refusal && !report.refusal->detail.empty() ? report.refusal->detail
+          << (report.refusal && !report.refusal->detail.empty() ? core::readableDetail(*report.refusal)
                                                                 : firstRejection(*report.associations));
   counted.last_warning = now;
   counted.count_warned = counted.count;

@@ -18,7 +18,7 @@ std::optional<std::string> Refusals::note(const core::Refusal& refusal, core::Ti
   }
   std::ostringstream warning;
   warning << refusal.kind << " (" << counted.count - counted.count_warned << " new, " << counted.count
-          << " in all): " << refusal.detail;
+          << " in all): " << core::readableDetail(refusal);
   counted.last_warning = now;
   counted.count_warned = counted.count;
   return warning.str();

@@ -74,6 +74,16 @@ TEST(Chart, UprightAndTiltedAreBothTheRotationOfTheirFrame) {
   }
 }
 
+TEST(Chart, MotionBeyondAPoleComesBackAsADirection) {
+  AngularState state;
+  state.mean << 0.1, 1.8, 0.3, -0.1;  // an upright chart's prediction far ahead
+  state.covariance = 1e-4 * Eigen::Matrix4d::Identity();
+  const Chart chart = Chart::around(directionOf({3.0, 1.2}));
+  const AngularState in_tracking = chart.toTracking(state);
+  EXPECT_NEAR(in_tracking.mean(1), kPi - 1.8, 1e-12);
+  EXPECT_LT((directionOf(in_tracking.angles()) - chart.directionAt(state.angles())).norm(), 1e-12);
+}
+
 TEST(Chart, NearTheZenithASightingsCovarianceIsRoundInTheTiltedChart) {
   const double elevation = 1.56, sigma = 1e-3;
   const double azimuth_sigma = sigma / std::cos(elevation);

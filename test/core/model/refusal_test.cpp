@@ -13,5 +13,11 @@ TEST(Refusal, WithoutDetailItsTextIsTheKind) {
   EXPECT_EQ(textOf({"duplicate", ""}), "duplicate");
 }
 
+TEST(Refusal, ADetailThatIsTooLongToReadIsCut) {
+  const std::string text = textOf({"name", std::string(100000, 'x')});
+  EXPECT_LT(text.size(), 1100U);
+  EXPECT_NE(text.find("xxx... (100000 letters)"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace sightline::core

@@ -61,6 +61,7 @@ class ImmEstimator final : public Estimator {
   ImmEstimator(const ImmEstimator&) = default;
   int modes() const { return static_cast<int>(params_.models.size()); }
   Motions predicted(double h) const;
+  void predict(double h, Motions& ahead) const;
   void setUnknown(double h);
   Eigen::Matrix2d unknownAcceleration(double unit) const;
 

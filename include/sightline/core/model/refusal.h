@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 
@@ -16,9 +17,18 @@ inline Refusal invalid(std::string detail) {
   return {"invalid", std::move(detail)};
 }
 
+/// The detail as a person may read it: of one that is too long, as it quotes a name without end, the beginning
+/// and its length.
+inline std::string readableDetail(const Refusal& refusal) {
+  constexpr std::size_t kMostLetters = 1000;
+  if (refusal.detail.size() <= kMostLetters) return refusal.detail;
+  return refusal.detail.substr(0, kMostLetters) + "... (" + std::to_string(refusal.detail.size()) +
+         " letters)";
+}
+
 /// "kind: detail", for logs and reports.
 inline std::string textOf(const Refusal& refusal) {
-  return refusal.detail.empty() ? refusal.kind : refusal.kind + ": " + refusal.detail;
+  return refusal.detail.empty() ? refusal.kind : refusal.kind + ": " + readableDetail(refusal);
 }
 
 }  // namespace sightline::core
