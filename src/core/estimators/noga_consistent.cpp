@@ -159,6 +159,16 @@ Eigen::Vector2d NogaConsistentEstimator::noiseScale() const {
   return bank_.noise(chain_.probabilities());
 }
 
+void NogaConsistentEstimator::learnNoise(bool enabled) {
+  noise_learning_.enable(enabled);
+  for (int mode = 0; mode < modes(); ++mode) {
+    ResponseBelief belief = bank_.belief(mode);
+    belief.noise.setOnes();
+    bank_.setBelief(mode, belief);
+  }
+  ahead_.forget();
+}
+
 std::optional<AngularState> NogaConsistentEstimator::stateAt(Time time) const {
   if (!time_) return std::nullopt;
   const double h = seconds(time - *time_);

@@ -15,6 +15,11 @@ NoiseLearning::NoiseLearning(const NoiseLearningParams& params)
   }
 }
 
+void NoiseLearning::enable(bool enabled) {
+  params_.enabled = enabled;
+  weight_ = kOneSighting * params_.trust;
+}
+
 void NoiseLearning::next(double h) {  // (S-11)
   const double least = kOneSighting * params_.trust;
   weight_ = least + (weight_ - least) * std::exp(-h / params_.memory);

@@ -122,6 +122,11 @@ Eigen::Vector2d TwblsConsistentEstimator::noiseScale() const {
   return scale;
 }
 
+void TwblsConsistentEstimator::learnNoise(bool enabled) {
+  noise_learning_.enable(enabled);
+  for (Eigen::Vector2d& scale : noise_) scale.setOnes();
+}
+
 /// Lengthens the window by a sighting; those at its first instant are one.
 void TwblsConsistentEstimator::add(const Measurement& measurement) {
   if (window_.size() == 1 && seconds(measurement.time - window_.front().time) < kSameTime) {

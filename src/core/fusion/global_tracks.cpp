@@ -43,6 +43,21 @@ void leaveOutBiased(GlobalTrackEntry& entry) {
 GlobalTracks::GlobalTracks(const TrackFusionParams& params)
     : params_(params), thresholds_(thresholdsOf(params)) {}
 
+void GlobalTracks::reconfigure(const TrackFusionParams& wanted) {
+  const bool begins_anew = usesTracklets(wanted.rule) != usesTracklets(params_.rule);
+  for (GlobalTrackEntry& entry : entries_) {
+    if (begins_anew) {
+      entry.tracklets = TrackletFusion(wanted.tracklets);
+      entry.report.sensors.clear();
+      entry.report.sensor_changes.clear();
+    } else {
+      entry.tracklets.setThresholds(wanted.tracklets.guard.health, time_);
+    }
+  }
+  params_ = wanted;
+  thresholds_ = thresholdsOf(wanted);
+}
+
 void GlobalTracks::follow(const LocalReports& reports, const NewReports& new_reports) {
   if (reports.newest() < time_) reset();  // the trackers' stamps start again
   time_ = reports.newest();

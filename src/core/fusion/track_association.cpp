@@ -181,6 +181,11 @@ std::vector<std::uint32_t> leftBy(const std::vector<SupporterMove>& moves,
 TrackAssociation::TrackAssociation(const TrackFusionParams& params)
     : params_(params), thresholds_(thresholdsOf(params)), misalignment_(params.registration_sigma) {}
 
+void TrackAssociation::reconfigure(const TrackFusionParams& wanted) {
+  params_ = wanted;
+  thresholds_ = thresholdsOf(wanted);
+}
+
 void TrackAssociation::learnMisalignment(const GlobalTracks& tracks, const std::string& reporting) {
   std::vector<Disagreement> disagreements;
   for (const GlobalTrackEntry& entry : tracks.entries()) {

@@ -11,10 +11,6 @@
 namespace sightline::core {
 namespace {
 
-bool usesTracklets(const TrackFusionParams& params) {
-  return params.rule == FusionRule::best || params.rule == FusionRule::tracklets;
-}
-
 bool isSound(const AngularState& state) {
   return state.mean.allFinite() && state.covariance.allFinite() &&
          Eigen::LLT<Eigen::Matrix4d>(state.covariance).info() == Eigen::Success;
@@ -47,7 +43,7 @@ std::optional<CombinedState> fromTracklets(GlobalTrackEntry& entry, const Trackl
                                            const DistanceThresholds& thresholds) {
   std::optional<Refusal>& why_not = entry.report.why_not_tracklets;
   why_not.reset();
-  if (!usesTracklets(params)) return std::nullopt;
+  if (!usesTracklets(params.rule)) return std::nullopt;
   CombinedState combined{
       FusionRule::tracklets, chooseContributors(entry.track, params.coasting_age, true), {}, {}};
   const std::vector<std::size_t>& used = combined.contributors.used;
@@ -145,6 +141,7 @@ CombinedState fromStates(const GlobalTrack& track, const TrackFusionParams& para
 
 TrackletLosses feedTracklets(GlobalTrackEntry& entry, const TrackletMemory& memory,
                              const TrackFusionParams& params) {
+  if (!usesTracklets(params.rule)) return {};
   const std::size_t late_before = entry.tracklets.late();
   const std::size_t failed_before = entry.tracklets.failures().count;
   for (const Supporter& supporter : entry.track.supporters()) {
@@ -156,7 +153,6 @@ TrackletLosses feedTracklets(GlobalTrackEntry& entry, const TrackletMemory& memo
     }
   }
   TrackletLosses losses{entry.tracklets.late() - late_before, {}};
-  if (!usesTracklets(params)) return losses;
   entry.tracklets.advanceTo(entry.track.time());
   entry.report.sensors = entry.tracklets.sensors();
   entry.report.sensor_changes = entry.tracklets.newChanges();

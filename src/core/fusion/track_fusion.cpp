@@ -56,6 +56,18 @@ std::optional<Refusal> TrackFusion::onTracklets(const TrackletReport& report) {
   return tracklets_.take(report);
 }
 
+std::optional<Refusal> TrackFusion::reconfigure(const TrackFusionParams& wanted) {
+  if (auto refusal = whyNotInFlight(params_, wanted)) return refusal;
+  // What was not taken while no rule used it would count as lost.
+  if (usesTracklets(wanted.rule) != usesTracklets(params_.rule))
+    tracklets_ = TrackletMemory(memoryParamsOf(wanted));
+  params_ = wanted;
+  thresholds_ = thresholdsOf(wanted);
+  tracks_.reconfigure(wanted);
+  association_.reconfigure(wanted);
+  return std::nullopt;
+}
+
 void TrackFusion::reset() {
   reports_ = LocalReports(params_.reports);
   rounds_ = ReportRounds(params_.max_wait);

@@ -4,12 +4,17 @@
 #include <string>
 
 #include "sightline/core/model/chi_square.h"
+#include "sightline/core/sensors/guard_settings.h"
 
 namespace sightline::core {
 namespace {
 
 void check(bool holds, const std::string& rule) {
   if (!holds) throw std::invalid_argument("TrackFusionParams: " + rule);
+}
+
+Refusal fixed(const std::string& field) {
+  return {"fixed", field + " holds from the start of the fusion: set the parameter and start it again"};
 }
 
 }  // namespace
@@ -36,6 +41,34 @@ void requireValid(const TrackFusionParams& params) {
   // Refuse what cannot work before the first tracklet comes.
   [[maybe_unused]] const SensorGuard guard(tracklets.guard);
   makeEstimator(tracklets.estimator);
+}
+
+bool usesTracklets(FusionRule rule) {
+  return rule == FusionRule::best || rule == FusionRule::tracklets;
+}
+
+std::optional<Refusal> whyNotInFlight(const TrackFusionParams& now, const TrackFusionParams& wanted) {
+  const LocalReportsParams &reports = wanted.reports, &reports_now = now.reports;
+  const TrackletFusionParams &tracklets = wanted.tracklets, &tracklets_now = now.tracklets;
+  if (wanted.registration_sigma != now.registration_sigma) return fixed("registration_sigma");
+  if (wanted.process_noise != now.process_noise) return fixed("process_noise");
+  if (wanted.max_tracks != now.max_tracks) return fixed("max_tracks");
+  if (reports.max_age != reports_now.max_age) return fixed("reports.max_age");
+  if (reports.forget_after != reports_now.forget_after) return fixed("reports.forget_after");
+  if (reports.max_trackers != reports_now.max_trackers) return fixed("reports.max_trackers");
+  if (reports.max_tracks != reports_now.max_tracks) return fixed("reports.max_tracks");
+  if (!(tracklets.estimator == tracklets_now.estimator))
+    return fixed("tracklets.estimator (with its settings)");
+  if (tracklets.max_lag != tracklets_now.max_lag) return fixed("tracklets.max_lag");
+  if (tracklets.memory != tracklets_now.memory) return fixed("tracklets.memory");
+  if (const auto field = fixedGuardField(tracklets_now.guard, tracklets.guard))
+    return fixed("tracklets.guard." + *field);
+  try {
+    requireValid(wanted);
+  } catch (const std::invalid_argument& problem) {
+    return invalid(problem.what());
+  }
+  return std::nullopt;
 }
 
 TrackletMemoryParams memoryParamsOf(const TrackFusionParams& params) {

@@ -28,6 +28,11 @@ NoiseCalibration::NoiseCalibration(const NoiseCalibrationParams& params) : param
   }
 }
 
+void NoiseCalibration::enable(bool enabled) {
+  params_.enabled = enabled;
+  if (!enabled) sensors_.clear();
+}
+
 double NoiseCalibration::scale(const std::string& sensor) const {
   const auto place = std::lower_bound(sensors_.begin(), sensors_.end(), sensor, byName);
   return place != sensors_.end() && place->sensor == sensor ? place->scale : 1.0;

@@ -223,6 +223,11 @@ std::optional<SensorChange> SensorGuard::judge(Time time, const std::string& sen
   return made;
 }
 
+void SensorGuard::setThresholds(const SensorHealthParams& health) {
+  params_.health = health;
+  for (Watch& watch : watches_) watch.health.setThresholds(health);
+}
+
 void SensorGuard::clearVerdict(Time time, const std::string& sensor) {
   if (find(sensor) == nullptr) return;
   Watch& watch = watches_[placeOf(sensor)];

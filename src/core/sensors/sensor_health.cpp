@@ -88,6 +88,14 @@ SensorHealth::SensorHealth(const SensorHealthParams& params, Time since, int cha
       mean_before_(mean_),
       u_sum_(mean_) {}
 
+void SensorHealth::setThresholds(const SensorHealthParams& params) {
+  params_.noise_threshold = params.noise_threshold;
+  params_.bias_threshold = params.bias_threshold;
+  params_.noise_release = params.noise_release;
+  params_.bias_release = params.bias_release;
+  params_.least_exclusion = params.least_exclusion;
+}
+
 void SensorHealth::forget(Time time) {
   *this = SensorHealth(params_, time, static_cast<int>(mean_.size()));
 }

@@ -31,7 +31,7 @@ TimelineParams timelineParams(const LocalTrackerParams& params) {
 }  // namespace
 
 LocalTracker::LocalTracker(const LocalTrackerParams& params)
-    : params_(params), state_(firstState(Time{}, TrackIds())), scans_(timelineParams(params)) {
+    : settings_(params), state_(firstState(Time{}, TrackIds())), scans_(timelineParams(params)) {
   if (params.max_tracks < 1 || params.max_sightings < 1 || !(params.max_lag >= 0.0)) {
     throw std::invalid_argument(
         "LocalTrackerParams: max_tracks and max_sightings >= 1, max_lag >= 0 are required");
@@ -39,19 +39,8 @@ LocalTracker::LocalTracker(const LocalTrackerParams& params)
   makeEstimator(params.estimator);  // refuses what cannot work before the first sighting comes
 }
 
-LocalTracker::State LocalTracker::firstState(Time time, const TrackIds& ids) const {
-  return {time,
-          ids,
-          {},
-          NoiseCalibration(params_.noise_calibration),
-          DetectionCalibration(params_.detection),
-          {},
-          SensorGuard(params_.guard),
-          {}};
-}
-
 ScanReport LocalTracker::onScan(const Scan& scan) {
-  UsableSightings usable = usableSightings(scan, static_cast<std::size_t>(params_.max_sightings));
+  UsableSightings usable = usableSightings(scan, static_cast<std::size_t>(params().max_sightings));
   ScanReport result;
   result.refusal = refusalOf(usable.scan);
   if (result.refusal) {
@@ -69,26 +58,20 @@ ScanReport LocalTracker::onScan(const Scan& scan) {
 std::optional<Refusal> LocalTracker::refusalOf(const Scan& scan) const {
   const double lateness = seconds(state_.time - scan.time);
   const bool anything_before = !scans_.empty();
-  if (anything_before && lateness > params_.max_lag) {
+  if (anything_before && lateness > params().max_lag) {
     std::ostringstream detail;
-    detail << lateness << " s older than the newest scan, more than max_lag " << params_.max_lag
+    detail << lateness << " s older than the newest scan, more than max_lag " << params().max_lag
            << " s: synchronise the clock of " << scan.sensor << ", bring its scans sooner, or raise max_lag";
     return Refusal{"late", detail.str()};
   }
   if (anything_before && scan.time < scans_[0].before->time) {
     return Refusal{"late", "more than " + std::to_string(kMostScans) + " scans have come after it"};
   }
-  if (auto missing = whyNotWeighable(scan, params_.estimator)) return missing;
+  if (auto missing = whyNotWeighable(scan, params().estimator)) return missing;
   if (scans_.holds(scan))
     return Refusal{"duplicate",
                    "this exposure of " + scan.sensor + " has been taken already: publish each exposure once"};
   return std::nullopt;
-}
-
-void LocalTracker::startAnew(Time time) {
-  state_.ids.skip(highest_id_);
-  state_ = firstState(time, state_.ids);
-  scans_.clear();
 }
 
 /// Processes the scan at its place in time; what had been processed after it is processed again. Returns the
@@ -119,9 +102,10 @@ std::vector<Association> LocalTracker::putInPlace(const Scan& scan, ScanReport& 
 std::vector<Association> LocalTracker::processNext() {
   const std::size_t k = scans_.next();
   const std::string& sensor = scans_[k].item.sensor;
+  followSettings(scans_[k].item.time);
   scans_.use(k, state_.guard.useOf(sensor));
   AssociatedScan associated = predictAndAssociate(k);
-  if (params_.guard.enabled) {
+  if (settings().guard.enabled) {
     watch(associated);
     if (const auto change = state_.guard.judge(state_.time, sensor)) {
       remember(state_.changes, *change);
@@ -141,7 +125,7 @@ std::vector<Association> LocalTracker::processAgain(const SensorChange& change) 
   TrackIds ids = state_.ids;
   ids.remember(state_.tracks);
   const std::size_t alarm = scans_.next();
-  const Time earliest = scans_[alarm].item.time - durationOf(params_.guard.roll_back);
+  const Time earliest = scans_[alarm].item.time - durationOf(settings().guard.roll_back);
   const std::size_t first = scans_.firstNotBefore(std::max(change.change.began, earliest));
   const std::size_t from = scans_.rollBack(first, state_);
   state_.ids = std::move(ids);
@@ -150,9 +134,11 @@ std::vector<Association> LocalTracker::processAgain(const SensorChange& change) 
   }
   const Time since = scans_[from].item.time;
   state_.guard.adopt(known, since);
+  state_.guard.setThresholds(settings().guard.health);
   std::vector<Association> decisions;
   for (std::size_t k = from; k <= alarm; ++k) {
     scans_.keepIfDue(state_);
+    followSettings(scans_[k].item.time);
     AssociatedScan associated = predictAndAssociate(k);
     if (!known.changedSince(associated.scan.sensor, since)) watch(associated);
     decisions = updateTracks(associated);
@@ -173,10 +159,10 @@ LocalTracker::AssociatedScan LocalTracker::predictAndAssociate(std::size_t k) {
   state_.time = scan.time;
   deleteTracks();
   associated.predictions = predict(scan);
-  associated.result =
-      associate(associated.used, associated.predictions, params_.gate, state_.detection.clutterDensity(scan),
-                params_.association, isClear(scan, state_.tracks, state_.detection.clutter(scan)));
-  if (!params_.guard.enabled) return associated;
+  associated.result = associate(associated.used, associated.predictions, settings().gate,
+                                state_.detection.clutterDensity(scan), settings().association,
+                                isClear(scan, state_.tracks, state_.detection.clutter(scan)));
+  if (!settings().guard.enabled) return associated;
   associated.corroboration.reserve(state_.tracks.size());
   for (const LiveTrack& track : state_.tracks)
     associated.corroboration.push_back(track.corroborationOf(scan.sensor, scan.time, state_.guard));
@@ -234,7 +220,7 @@ std::vector<TrackPrediction> LocalTracker::predict(const Scan& scan) {
   std::vector<TrackPrediction> predictions;
   predictions.reserve(state_.tracks.size());
   for (LiveTrack& track : state_.tracks) {
-    predictions.push_back(track.predict(scan, sensor, params_.lifecycle, params_.adapt_gate));
+    predictions.push_back(track.predict(scan, sensor, settings().lifecycle, settings().adapt_gate));
     if (stamp_variance <= 0.0) continue;
     const Eigen::Vector2d rates = predictions.back().state.rates();
     predictions.back().stamp_covariance = stamp_variance * rates * rates.transpose();
@@ -266,10 +252,10 @@ std::vector<std::uint32_t> LocalTracker::updateOrMiss(const AssociatedScan& asso
       const Sighting& sighting = scan.sightings[static_cast<std::size_t>(own)];
       calibrate(scan, sighting, track, prediction);
       const bool was_tentative = track.lifecycle().isTentative();
-      track.update(scan, sighting, prediction, result.possible[i], result.evidence[i], params_.lifecycle);
+      track.update(scan, sighting, prediction, result.possible[i], result.evidence[i], settings().lifecycle);
       if (was_tentative && track.lifecycle().isEstablished()) confirmed.push_back(track.id());
     } else if (!associated.is_excluded || associated.corroboration[i].others == 0) {
-      track.miss(scan, prediction, result.evidence[i], params_.lifecycle);
+      track.miss(scan, prediction, result.evidence[i], settings().lifecycle);
     }
   }
   return confirmed;
@@ -330,9 +316,9 @@ void LocalTracker::reacquire(std::uint32_t id, AssociatedScan& associated) {
 /// Second tracks of targets seen once, for sightings that may be theirs.
 void LocalTracker::startBranches(const AssociatedScan& associated) {
   std::vector<LiveTrack> branches = branchesOf(state_.tracks, associated.used, associated.predictions,
-                                               associated.result, params_.lifecycle, state_.ids);
+                                               associated.result, settings().lifecycle, state_.ids);
   for (LiveTrack& branch : branches)
-    if (state_.tracks.size() < static_cast<std::size_t>(params_.max_tracks))
+    if (state_.tracks.size() < static_cast<std::size_t>(settings().max_tracks))
       state_.tracks.push_back(std::move(branch));
 }
 
@@ -342,19 +328,19 @@ void LocalTracker::startTracks(AssociatedScan& associated) {
   const double odds = state_.detection.newTargetOdds(scan);
   const RevisitTime interval = state_.detection.interval(scan);
   for (std::size_t j = 0; j < scan.sightings.size(); ++j) {
-    const bool has_room = state_.tracks.size() < static_cast<std::size_t>(params_.max_tracks);
+    const bool has_room = state_.tracks.size() < static_cast<std::size_t>(settings().max_tracks);
     if (!associated.result.may_start[j]) continue;
     Association& decision = associated.result.decisions[j] = Association{};
     decision.sighting = static_cast<std::uint32_t>(j);
     if (!has_room) {
       decision.decision = Decision::rejected_input;
-      decision.reason = "limit: there are max_tracks " + std::to_string(params_.max_tracks) +
+      decision.reason = "limit: there are max_tracks " + std::to_string(settings().max_tracks) +
                         " tracks already, it starts none: raise max_tracks";
       continue;
     }
     const TrackOrigin origin{scan.time, scan.sensor, decision.sighting};
     const std::uint32_t id = state_.ids.idOf(origin);
-    state_.tracks.emplace_back(id, origin, scan, scan.sightings[j], makeEstimator(params_.estimator), odds,
+    state_.tracks.emplace_back(id, origin, scan, scan.sightings[j], makeEstimator(settings().estimator), odds,
                                interval);
     decision.track = id;
     decision.decision = Decision::started_track;
@@ -364,7 +350,7 @@ void LocalTracker::startTracks(AssociatedScan& associated) {
 /// Of tracks that follow one target the oldest goes on.
 void LocalTracker::deleteDuplicates(const AssociatedScan& associated) {
   const std::vector<std::uint32_t> duplicates =
-      state_.duplicates.watch(associated.predictions, associated.result, params_.lifecycle.merge_scans);
+      state_.duplicates.watch(associated.predictions, associated.result, settings().lifecycle.merge_scans);
   const auto isDuplicate = [&](const LiveTrack& track) {
     return std::binary_search(duplicates.begin(), duplicates.end(), track.id());
   };
@@ -375,9 +361,9 @@ void LocalTracker::deleteDuplicates(const AssociatedScan& associated) {
 /// Brings every track's status up to date and deletes those that are over.
 void LocalTracker::deleteTracks() {
   auto& tracks = state_.tracks;
-  for (LiveTrack& track : tracks) track.updateStatus(state_.time, params_.lifecycle);
+  for (LiveTrack& track : tracks) track.updateStatus(state_.time, settings().lifecycle);
   const auto isOver = [this](const LiveTrack& track) {
-    return track.isOver(state_.time, params_.lifecycle, params_.adapt_gate);
+    return track.isOver(state_.time, settings().lifecycle, settings().adapt_gate);
   };
   tracks.erase(std::remove_if(tracks.begin(), tracks.end(), isOver), tracks.end());
 }
@@ -387,7 +373,7 @@ std::vector<Track> LocalTracker::report() const {
   tracks.reserve(state_.tracks.size());
   for (const LiveTrack& track : state_.tracks) {
     if (track.lifecycle().isLost()) continue;
-    Track reported = track.report(state_.time, params_.gate, params_.adapt_gate, params_.lifecycle);
+    Track reported = track.report(state_.time, params().gate, params().adapt_gate, params().lifecycle);
     if (isTrack(reported))
       tracks.push_back(std::move(reported));  // else unseen, until a sighting makes it one
   }

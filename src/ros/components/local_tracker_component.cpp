@@ -112,6 +112,13 @@ void LocalTrackerComponent::startTrackerAnew(core::Time time) {
   tracking_.change([time](Tracking& tracking) { tracking.tracker.startAnew(time); });
 }
 
+std::optional<core::Refusal> LocalTrackerComponent::reconfigure(const ParamReader& reader) {
+  const core::LocalTrackerParams wanted = loadLocalTrackerParams(reader);
+  std::optional<core::Refusal> refusal;
+  tracking_.change([&](Tracking& tracking) { refusal = tracking.tracker.reconfigure(wanted); });
+  return refusal;
+}
+
 sightline::TrackletArray::Ptr LocalTrackerComponent::overdueTracklets(core::Time now) {
   if (!tracking_.state().tracklets) return nullptr;
   core::TrackletBuilder tracklets = *tracking_.state().tracklets;  // as a question changes nothing

@@ -222,7 +222,15 @@ core::Refusal TrackFusionComponent::failed(const std::string& tracker) {
 }
 
 bool TrackFusionComponent::wantsTracklets() const {
-  return params_.rule == core::FusionRule::best || params_.rule == core::FusionRule::tracklets;
+  return core::usesTracklets(params_.rule);
+}
+
+std::optional<core::Refusal> TrackFusionComponent::reconfigure(const ParamReader& reader) {
+  const core::TrackFusionParams wanted = loadTrackFusionParams(reader);
+  std::optional<core::Refusal> refusal;
+  fusion_.change([&](core::TrackFusion& fusion) { refusal = fusion.reconfigure(wanted); });
+  if (!refusal) params_ = wanted;
+  return refusal;
 }
 
 std::optional<double> TrackFusionComponent::onSimulatedTime(core::Time now) {

@@ -18,7 +18,7 @@ using diagnostic_msgs::DiagnosticStatus;
 namespace {
 
 constexpr std::size_t kMostTrackers = 256;
-constexpr std::size_t kMostSensors = 256;  // of which changes are told
+constexpr std::size_t kMostFusedSensors = 256;  // of which changes are told
 
 /// Reasons for leaving a local track out that need somebody's hand; the others are a tracker's daily life.
 const std::set<std::string> kCallForHelp{"invalid", "limit", "shared sensor", "too uncertain",
@@ -81,7 +81,7 @@ std::vector<std::string> TrackFusionHealth::sensorLines(const FusionResult& resu
   if (!result.report) return lines;
   for (const auto& track : result.report->tracks) {
     for (const auto& change : track.sensor_changes) {
-      if (changes_.size() >= kMostSensors && changes_.count(change.sensor) == 0) continue;
+      if (changes_.size() >= kMostFusedSensors && changes_.count(change.sensor) == 0) continue;
       Changes& changes = changes_[change.sensor];
       const bool was_lately = changes.last_line && now >= *changes.last_line &&
                               core::seconds(now - *changes.last_line) < kSecondsBetweenWarnings;

@@ -15,20 +15,20 @@ using sightline::report::valueOf;
 
 namespace {
 
-constexpr std::size_t kMostSensors = 1000;
+constexpr std::size_t kMostStartingSensors = 1000;
 constexpr std::size_t kMostPending = 10000;
 constexpr std::size_t kLeastSightings = 8;  // below, nothing is said
 constexpr std::size_t kLeastStarts = 3;
 constexpr double kNearer =
     0.5;  // a start is near the last one within this share of the distance to an old one
-constexpr double kSameSigmas = 10.0;  // or when even the old one is within so many stated sigmas
-constexpr double kMostNear = 0.6;     // share of such starts beyond which they are a target's
-constexpr double kTooSmall = 2.0;     // scatter over the stated sigma
+constexpr double kSameSigmas = 10.0;     // or when even the old one is within so many stated sigmas
+constexpr double kMostNear = 0.6;        // share of such starts beyond which they are a target's
+constexpr double kTooSmallStates = 2.0;  // scatter over the stated sigma
 
 }  // namespace
 
 void TrackStarts::take(const sightline::AssociationArray& associations) {
-  if (sensors_.size() >= kMostSensors && sensors_.count(associations.sensor) == 0) return;
+  if (sensors_.size() >= kMostStartingSensors && sensors_.count(associations.sensor) == 0) return;
   Sensor& sensor = sensors_[associations.sensor];
   if (isUsed(associations)) return noteUse(sensor);
   const core::Time time = toCore(associations.header.stamp);
@@ -129,7 +129,7 @@ std::optional<Finding> TrackStarts::findingOf(const std::string& name, const Sen
   if (interval && step && sigma) {
     words << ": they come every " << valueOf(*interval, "s") << ", state a sigma of "
           << valueOf(*sigma, "rad") << " and lie " << valueOf(*step, "rad") << " apart";
-    if (is_a_target && ratio && *ratio >= kTooSmall) {
+    if (is_a_target && ratio && *ratio >= kTooSmallStates) {
       words << ", scattered by " << valueOf(*ratio * *sigma, "rad") << ", " << valueOf(*ratio, "times")
             << " as much as they state; state that sigma (variances are in rad^2)";
     } else if (is_a_target) {

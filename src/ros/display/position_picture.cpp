@@ -18,14 +18,14 @@ namespace core = sightline::core;
 
 namespace {
 
-constexpr double kClockStep = 1.0;        // [s] back that means a new start
-constexpr std::size_t kMostSeen = 4000;   // sightings
-constexpr std::size_t kMostTracks = 200;  // of one tracker, positions, or truth
-constexpr std::size_t kMostTrackers = 200;
-constexpr std::size_t kMostSamples = 400;   // of one trail
-constexpr std::size_t kMostRefused = 100;   // crossings that are drawn
-constexpr std::size_t kMostFullLabels = 5;  // positions; of more, only the number is written
-constexpr double kFreeRay = 1.6;            // length of a ray without a position, as a share of the size
+constexpr double kPictureClockStep = 1.0;  // [s] back that means a new start
+constexpr std::size_t kMostSeen = 4000;    // sightings
+constexpr std::size_t kMostTracks = 200;   // of one tracker, positions, or truth
+constexpr std::size_t kMostDrawnTrackers = 200;
+constexpr std::size_t kMostSamples = 400;           // of one trail
+constexpr std::size_t kMostRefused = 100;           // crossings that are drawn
+constexpr std::size_t kMostFullPositionLabels = 5;  // positions; of more, only the number is written
+constexpr double kFreeRay = 1.6;  // length of a ray without a position, as a share of the size
 constexpr double kEllipsoidSigmas = 2.0;
 
 bool isFinite(const Eigen::Vector3d& place) {
@@ -63,7 +63,7 @@ void PositionPicture::addSightings(const std::string& sensor, const Eigen::Vecto
 void PositionPicture::addTracks(const sightline::TrackArray& tracks, const core::StationPose& pose,
                                 double now) {
   restartWhenBack(now);
-  if (trackers_.count(tracks.tracker) == 0 && trackers_.size() >= kMostTrackers) return;
+  if (trackers_.count(tracks.tracker) == 0 && trackers_.size() >= kMostDrawnTrackers) return;
   if (!isFinite(pose.origin)) return;
   Station& station = trackers_[tracks.tracker];
   station.origin = pose.origin;
@@ -136,7 +136,7 @@ std::vector<Eigen::Vector3d> PositionPicture::Reported::pathOf(std::uint32_t id)
 }
 
 void PositionPicture::restartWhenBack(double now) {
-  if (now < newest_ - kClockStep) {
+  if (now < newest_ - kPictureClockStep) {
     seen_.clear();
     trackers_.clear();
     positions_.clear();
@@ -249,7 +249,7 @@ void PositionPicture::drawPositions(MarkerArray& array) {
     enlargement_ = enlargementFor(kEllipsoidSigmas * sigmas[sigmas.size() / 2], c.size, enlargement_);
   }
   const double ground = stations_.empty() ? 0.0 : middle().z();
-  const bool is_crowd = positions_.newest.tracks.size() > kMostFullLabels;
+  const bool is_crowd = positions_.newest.tracks.size() > kMostFullPositionLabels;
   for (const sightline::PositionTrack& message : positions_.newest.tracks) {
     const core::PositionTrack track = toCore(message);
     const bool is_confirmed = track.status == core::TrackStatus::confirmed;
@@ -302,7 +302,7 @@ void PositionPicture::drawRefused(MarkerArray& array) const {
       if (++count > kMostRefused) break;
       const Colour colour = colourOfRefusal(crossing.kind);
       drawCrossOut(crosses, place, 0.016 * c.size, colour);
-      if (count <= 2 * kMostFullLabels)
+      if (count <= 2 * kMostFullPositionLabels)
         array.markers.push_back(metricText(c, "kinds", static_cast<int>(count),
                                            place - 0.03 * c.size * Eigen::Vector3d::UnitZ(), crossing.kind,
                                            0.02, colour));

@@ -20,7 +20,8 @@ namespace {
 namespace files = std::filesystem;
 
 constexpr std::uint32_t kRecorderQueue = 10000;  // messages of a topic that wait to be kept
-constexpr std::size_t kMostTopics = 1000;      // that are found; a list of ~topics may be as long as it likes
+constexpr std::size_t kMostFoundTopics =
+    1000;                                      // that are found; a list of ~topics may be as long as it likes
 constexpr double kDiscoveryPeriod = 1.0;       // [s]
 constexpr double kSavePeriod = 0.1;            // of looking for an incident whose save is due [s]
 constexpr double kMegabyte = 1024.0 * 1024.0;  // [bytes]
@@ -67,7 +68,7 @@ FlightRecorderParams loadFlightRecorderParams(const ParamReader& reader) {
 
 bool isOfTracking(const ros::master::TopicInfo& topic) {
   return topic.datatype.rfind("sightline/", 0) == 0 || topic.datatype == "tf2_msgs/TFMessage" ||
-         topic.name == "/diagnostics";
+         topic.datatype == "dynamic_reconfigure/Config" || topic.name == "/diagnostics";
 }
 
 FlightRecorderNode::FlightRecorderNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
@@ -111,7 +112,7 @@ void FlightRecorderNode::findTopics() {
   ros::master::V_TopicInfo topics;
   if (!ros::master::getTopics(topics)) return;
   for (const ros::master::TopicInfo& topic : topics) {
-    if (isOfTracking(topic) && kept_topics_.size() < kMostTopics) keep(topic.name);
+    if (isOfTracking(topic) && kept_topics_.size() < kMostFoundTopics) keep(topic.name);
   }
 }
 

@@ -48,6 +48,9 @@ LocalTrackerNode::LocalTrackerNode(const ros::NodeHandle& nh, const ros::NodeHan
       std::make_unique<TransformSubscriber>(nh_, transforms_, guard_("/tf", [this] { onTransforms(); }));
   timeout_timer_ = nh_.createWallTimer(ros::WallDuration(kSecondsBetweenTimeoutChecks),
                                        guard_("a timer", [this](const ros::WallTimerEvent&) { onTimer(); }));
+  reconfigure_server_.emplace(
+      pnh, Reconfiguration(reader, changeableTrackerParams(),
+                           [this](const auto& changed) { return component_.reconfigure(changed); }));
   diagnostics_.emplace(nh, pnh, "tracking", [this](auto& status, double) { diagnose(status); });
   subscribe(topics);
 }
@@ -105,6 +108,7 @@ void LocalTrackerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
     ROS_WARN_STREAM(component_.name() << ": " << line);
   health_.diagnose(clockNow(), component_.waiting(), status, watched, component_.calibratedSensors(),
                    component_.stamps(), component_.detection());
+  reconfigure_server_->diagnose(status);
   guard_.diagnose(status);
 }
 

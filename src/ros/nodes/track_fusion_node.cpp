@@ -24,9 +24,13 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
       health_(topics_, silenceFrom(reader)) {
   reader.finish();
 
+  reconfigure_server_.emplace(pnh,
+                              Reconfiguration(reader, changeableFusionParams(),
+                                              [this](const auto& changed) { return reconfigure(changed); }));
   diagnostics_.emplace(nh, pnh, "fusion", [this](auto& status, double) {
     health_.diagnose(clockNow(), status);
     status.addf("largest distance of sensors [m]", "%.1f", component_.places()->spread());
+    reconfigure_server_->diagnose(status);
     guard_.diagnose(status);
   });
   end_of_wait_ =
@@ -44,16 +48,29 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
     all += " " + topic;
   }
+  followRule();
+  ROS_INFO_STREAM(component_.name() << ": " << component_.rule() << " in frame " << component_.trackingFrame()
+                                    << ", listens to" << all);
+}
+
+std::optional<sightline::core::Refusal> TrackFusionNode::reconfigure(const ParamReader& changed) {
+  auto refusal = component_.reconfigure(changed);
+  if (!refusal) followRule();
+  return refusal;
+}
+
+/// Listens to tracklets while the rule makes use of them.
+void TrackFusionNode::followRule() {
+  if (component_.wantsTracklets() == !tracklet_subscribers_.empty()) return;
+  tracklet_subscribers_.clear();
+  if (!component_.wantsTracklets()) return;
   for (const std::string& topic : tracklet_topics_) {
-    if (!component_.wantsTracklets()) break;
-    subscribers_.push_back(nh_.subscribe<sightline::TrackletArray>(
+    tracklet_subscribers_.push_back(nh_.subscribe<sightline::TrackletArray>(
         topic, kQueue,
         guard_(topic,
                [this, topic](const sightline::TrackletArray::ConstPtr& local) { onTracklets(local, topic); }),
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
   }
-  ROS_INFO_STREAM(component_.name() << ": " << component_.rule() << " in frame " << component_.trackingFrame()
-                                    << ", listens to" << all);
 }
 
 void TrackFusionNode::onTracks(const sightline::TrackArray::ConstPtr& local, const std::string& topic) {

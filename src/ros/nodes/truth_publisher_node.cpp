@@ -16,9 +16,9 @@ namespace {
 
 namespace core = sightline::core;
 
-constexpr double kDefaultRate = 100.0;      // [Hz]
-constexpr double kDefaultStartDelay = 1.0;  // [s]
-constexpr double kLongestBacklog = 1.0;     // [s]: truth further back than this is left out
+constexpr double kDefaultRate = 100.0;        // [Hz]
+constexpr double kDefaultStartDelay = 1.0;    // [s]
+constexpr double kLongestTruthBacklog = 1.0;  // [s]: truth further back than this is left out
 
 core::SightingTiming everyPeriod(double rate) {
   core::SightingTiming timing;
@@ -55,7 +55,7 @@ std::optional<ros::Time> TruthPublisherNode::onPace(const ros::Time& now) {
   for (; core::seconds(upcoming_) < scenario_.duration; upcoming_ = instants_.next()) {
     const ros::Time stamp = toRos(toCore(*start_) + upcoming_);
     if (stamp > now) return stamp;
-    if ((now - stamp).toSec() > kLongestBacklog) continue;
+    if ((now - stamp).toSec() > kLongestTruthBacklog) continue;
     publishTruth(core::seconds(upcoming_), stamp);
     const auto transforms = movingTransforms(scenario_, core::seconds(upcoming_), stamp);
     if (!transforms.empty()) transforms_.sendTransform(transforms);

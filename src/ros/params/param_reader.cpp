@@ -1,6 +1,7 @@
 #include "sightline/ros/params/param_reader.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "sightline/ros/params/param_text.h"
@@ -11,9 +12,10 @@ using XmlRpc::XmlRpcValue;
 
 /// Full names of what was asked for; shared by a reader, its copies and its sub-readers.
 struct ParamReader::Memory {
-  std::set<std::string> read;         ///< leaves
-  std::set<std::string> entered;      ///< namespaces and lists of maps
-  std::set<std::string> differences;  ///< leaves whose value is not the fallback, or that are absent
+  std::set<std::string> read;                ///< leaves
+  std::set<std::string> entered;             ///< namespaces and lists of maps
+  std::set<std::string> differences;         ///< leaves whose value is not the fallback, or that are absent
+  std::map<std::string, ReadParam> scalars;  ///< leaves that have a fallback; `key` is the full name
 };
 
 namespace {
@@ -130,6 +132,11 @@ void ParamReader::remember(const std::string& key, bool equals_fallback) const {
   if (!equals_fallback) memory_->differences.insert(fullName(key));
 }
 
+void ParamReader::remember(const std::string& key, ReadParam read) const {
+  read.key = fullName(key);
+  memory_->scalars[read.key] = std::move(read);
+}
+
 ParamReader ParamReader::sub(const std::string& key) const {
   memory_->entered.insert(fullName(key));
   XmlRpcValue* value = find(key);
@@ -140,6 +147,18 @@ ParamReader ParamReader::with(const std::string& key, const XmlRpcValue& value) 
   auto tree = std::make_shared<XmlRpcValue>(*tree_);
   (*tree)[key] = value;
   return {tree, name_, memory_};
+}
+
+ParamReader ParamReader::withKey(const std::string& path, const XmlRpcValue& value) const {
+  auto tree = std::make_shared<XmlRpcValue>(*tree_);
+  XmlRpcValue* place = tree.get();
+  std::size_t from = 0;
+  for (std::size_t slash = path.find('/'); slash != std::string::npos; slash = path.find('/', from)) {
+    place = &(*place)[path.substr(from, slash - from)];
+    from = slash + 1;
+  }
+  (*place)[path.substr(from)] = value;
+  return {tree, name_, std::make_shared<Memory>()};
 }
 
 std::vector<ParamReader> ParamReader::list(const std::string& key) const {
@@ -176,13 +195,18 @@ double ParamReader::number(const std::string& key, double fallback, const Range&
   XmlRpcValue* value = find(key);
   const double number = value != nullptr ? checkedNumber(fullName(key), *value, range, unit) : fallback;
   remember(key, value != nullptr && number == fallback);
+  remember(key, ReadParam{"", ReadParam::Kind::number, number, fallback, range, unit, {}});
   return number;
 }
 
 int ParamReader::integer(const std::string& key, int fallback, int low, int high) const {
   XmlRpcValue* value = find(key);
+  const auto note = [&](int integer) {
+    remember(key, ReadParam{"", ReadParam::Kind::integer, integer, fallback, between(low, high), "", {}});
+  };
   if (value == nullptr) {
     remember(key, false);
+    note(fallback);
     return fallback;
   }
   const std::string expected =
@@ -191,18 +215,17 @@ int ParamReader::integer(const std::string& key, int fallback, int low, int high
   const int integer = static_cast<int>(*value);
   if (integer < low || integer > high) throw complaint(fullName(key), expected, *value);
   remember(key, integer == fallback);
+  note(integer);
   return integer;
 }
 
 bool ParamReader::flag(const std::string& key, bool fallback) const {
   XmlRpcValue* value = find(key);
-  if (value == nullptr) {
-    remember(key, false);
-    return fallback;
-  }
-  if (value->getType() != XmlRpcValue::TypeBoolean) throw complaint(fullName(key), "true or false", *value);
-  const bool flag = static_cast<bool>(*value);
-  remember(key, flag == fallback);
+  const bool is_boolean = value != nullptr && value->getType() == XmlRpcValue::TypeBoolean;
+  if (value != nullptr && !is_boolean) throw complaint(fullName(key), "true or false", *value);
+  const bool flag = is_boolean ? static_cast<bool>(*value) : fallback;
+  remember(key, is_boolean && flag == fallback);
+  remember(key, ReadParam{"", ReadParam::Kind::flag, XmlRpcValue(flag), XmlRpcValue(fallback), {}, "", {}});
   return flag;
 }
 
@@ -210,6 +233,7 @@ std::string ParamReader::text(const std::string& key, const std::string& fallbac
   XmlRpcValue* value = find(key);
   std::string text = value != nullptr ? checkedText(fullName(key), *value) : fallback;
   remember(key, value != nullptr && text == fallback);
+  remember(key, ReadParam{"", ReadParam::Kind::text, text, fallback, {}, "", {}});
   return text;
 }
 
@@ -220,6 +244,7 @@ std::string ParamReader::choice(const std::string& key, const std::string& fallb
     throw error(key, "expected one of " + joined(choices, ", ") + ", got the string " +
                          sightline_ros::quoted(chosen));  // not std::quoted
   }
+  memory_->scalars.at(fullName(key)).choices = choices;
   return chosen;
 }
 
@@ -290,13 +315,24 @@ void ParamReader::finish() const {
   throw ParamError(joined(complaints, "; "));
 }
 
+bool ParamReader::isBelow(const std::string& name) const {
+  return name.compare(0, name_.size(), name_) == 0 && name.size() > name_.size() && name[name_.size()] == '/';
+}
+
+std::vector<ReadParam> ParamReader::readParams() const {
+  std::vector<ReadParam> below;
+  for (const auto& [name, read] : memory_->scalars) {
+    if (!isBelow(name)) continue;
+    below.push_back(read);
+    below.back().key = name.substr(name_.size() + 1);
+  }
+  return below;
+}
+
 std::vector<std::string> ParamReader::differences() const {
   std::vector<std::string> below;
-  for (const std::string& name : memory_->differences) {
-    const bool element_of =
-        name.compare(0, name_.size(), name_) == 0 && name.size() > name_.size() && name[name_.size()] == '/';
-    if (element_of) below.push_back(name);
-  }
+  for (const std::string& name : memory_->differences)
+    if (isBelow(name)) below.push_back(name);
   return below;
 }
 

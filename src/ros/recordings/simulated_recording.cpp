@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLead = 0.1;  // that the first transform comes before time zero [s]
 
 tf2_msgs::TFMessage messageOf(std::vector<geometry_msgs::TransformStamped> transforms) {
@@ -126,7 +126,7 @@ void Simulation::writeBeat(long beat) {
 
 void Simulation::writeScan(Sensor& sensor) {
   core::Scan& scan = sensor.upcoming->scan;
-  if (!params_.is_stated) scan.detection_probability = scan.clutter_density = kNaN;
+  if (!params_.is_stated) scan.detection_probability = scan.clutter_density = kUnknown;
   bag_.write(sensorTopic(sensor.name, "sightings"), toRos(sensor.upcoming->publish_time),
              toMessage(scan, sensor.name));
   ++summary_.scans;

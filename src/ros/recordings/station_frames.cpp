@@ -19,7 +19,7 @@ namespace {
 using sightline::formats::FramePlace;
 using sightline::formats::StationLayout;
 
-constexpr double kOnePlace = 1.0;  // [m]: sensors closer than that see a target in one direction
+constexpr double kOneStation = 1.0;  // [m]: sensors closer than that see a target in one direction
 
 geometry_msgs::TransformStamped transformOf(const FramePlace& place, const std::string& frame,
                                             const ros::Time& stamp) {
@@ -62,7 +62,7 @@ void writeStationFrames(rosbag::Bag& bag, const StationLayout& layout, const std
     const FramePlace& first = layout.places.at(*sensors.begin());
     apart = std::max(apart, (place->second.origin - first.origin).norm());
   }
-  if (apart <= kOnePlace && sensors.count("platform_enu") == 0) {
+  if (apart <= kOneStation && sensors.count("platform_enu") == 0) {
     FramePlace platform;
     platform.origin = layout.places.at(*sensors.begin()).origin;
     message.transforms.push_back(transformOf(platform, "platform_enu", stamp));

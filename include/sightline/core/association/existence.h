@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tuple>
+
 namespace sightline::core {
 
 /// How targets come and go in view, as rates of chance. Times in units of the track's time, see
@@ -9,6 +11,11 @@ struct PresenceParams {
   double mean_shown = 600.0;   ///< until it is hidden, by a cloud or by fading [units], > 0
   double mean_hidden = 1.0;    ///< until a hidden one is seen again, if it is there still [units], > 0
   double mean_patience = 2.0;  ///< until a hidden one leaves for good [units], > 0
+
+  friend bool operator==(const PresenceParams& a, const PresenceParams& b) {
+    return std::tie(a.mean_life, a.mean_shown, a.mean_hidden, a.mean_patience) ==
+           std::tie(b.mean_life, b.mean_shown, b.mean_hidden, b.mean_patience);
+  }
 };
 
 /// The probability that a track follows a target, by all that was seen and not seen of it: integrated

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tuple>
+
 #include <Eigen/Core>
 
 #include "sightline/core/model/sphere.h"
@@ -19,6 +21,11 @@ struct GateParams {
   GateShape shape = GateShape::ellipse;
   double min_half_width = 0.0;  ///< of the rectangle [rad], >= 0: S is enlarged to reach it
   double max_half_width = 1.0;  ///< of the rectangle [rad], > 0: nothing beyond is accepted
+
+  friend bool operator==(const GateParams& a, const GateParams& b) {
+    return std::tie(a.probability, a.shape, a.min_half_width, a.max_half_width) ==
+           std::tie(b.probability, b.shape, b.min_half_width, b.max_half_width);
+  }
 };
 
 /// Largest accepted distance squared: the quantile of chi^2 with two degrees of freedom, -2 ln(1 -

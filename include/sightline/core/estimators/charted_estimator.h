@@ -64,6 +64,12 @@ class ChartedEstimator {
   /// Variance of the sightings' white noise over the stated one, in each coordinate of the chart [1].
   Eigen::Vector2d noiseScale() const { return estimator_->noiseScale(); }
 
+  /// Whether that is learnt from now on: see Estimator::learnNoise.
+  void learnNoise(bool enabled) {
+    estimator_->learnNoise(enabled);
+    last_prediction_.reset();
+  }
+
  private:
   struct Prediction {
     Time time;

@@ -74,6 +74,10 @@ class Estimator {
   /// has learnt it [1]: see `noiseCovariance`.
   virtual Eigen::Vector2d noiseScale() const { return Eigen::Vector2d::Ones(); }
 
+  /// Whether the noise scale is learnt from the next sighting on; what has been learnt of it is forgotten, so
+  /// that without learning the stated covariances count. Nothing to do where it is not learnt at all.
+  virtual void learnNoise(bool /*enabled*/) {}
+
   /// Goes over to a chart whose frame is turned by R_new_old.
   virtual void rotate(const Eigen::Matrix3d& R_new_old) = 0;
 

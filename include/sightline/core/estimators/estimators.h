@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "sightline/core/estimators/estimator.h"
@@ -34,6 +35,12 @@ struct EstimatorParams {
   NogaConsistentParams noga_consistent;
   KalmanParams kalman;
   ImmParams imm;
+
+  friend bool operator==(const EstimatorParams& a, const EstimatorParams& b) {
+    return std::tie(a.kind, a.twbls_form, a.twbls, a.twbls_consistent, a.noga_form, a.noga, a.noga_consistent,
+                    a.kalman, a.imm) == std::tie(b.kind, b.twbls_form, b.twbls, b.twbls_consistent,
+                                                 b.noga_form, b.noga, b.noga_consistent, b.kalman, b.imm);
+  }
 };
 
 /// One estimator that a tracker can run.

@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "sightline/core/estimators/estimator.h"
@@ -18,6 +19,10 @@ namespace sightline::core {
 struct ImmModel {
   int order = 1;  ///< 1: constant velocity and white acceleration; 2: constant acceleration and white jerk
   ProcessNoise noise;  ///< of the acceleration (order 1) or of the jerk (order 2); density or ratio > 0
+
+  friend bool operator==(const ImmModel& a, const ImmModel& b) {
+    return std::tie(a.order, a.noise) == std::tie(b.order, b.noise);
+  }
 };
 
 /// The default bank, free of the angular scale.
@@ -31,6 +36,11 @@ struct ImmParams {
   double initial_rate_sigma = 0.0;  ///< of each rate at first [rad/s], >= 0; 0 = not known (InitialRate)
   /// Of each acceleration before the third sighting [rad/unit of time^2], > 0.
   double initial_acceleration_sigma = 1.0;
+
+  friend bool operator==(const ImmParams& a, const ImmParams& b) {
+    return std::tie(a.models, a.dwell, a.initial_rate_sigma, a.initial_acceleration_sigma) ==
+           std::tie(b.models, b.dwell, b.initial_rate_sigma, b.initial_acceleration_sigma);
+  }
 };
 
 /// Interacting multiple models: constant-velocity and constant-acceleration Kalman filters of different

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <tuple>
 
 #include "sightline/core/estimators/estimator.h"
 #include "sightline/core/estimators/rate_prior.h"
@@ -18,6 +19,11 @@ struct KalmanParams {
   /// angular scale and, with RevisitTime, of that of time.
   double process_noise_ratio = 200.0;
   double initial_rate_sigma = 0.0;  ///< of each rate at first [rad/s], >= 0; 0 = not known (InitialRate)
+
+  friend bool operator==(const KalmanParams& a, const KalmanParams& b) {
+    return std::tie(a.process_noise, a.process_noise_ratio, a.initial_rate_sigma) ==
+           std::tie(b.process_noise, b.process_noise_ratio, b.initial_rate_sigma);
+  }
 };
 
 /// Kalman filter of constant angular velocity disturbed by white acceleration: four states, both channels

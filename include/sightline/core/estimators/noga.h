@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,6 +31,11 @@ struct NogaParams {
   bool feedback = false;  ///< the estimates take the sightings' place in later rows; diverges
   NogaCovariance covariance = NogaCovariance::residual;
   double initial_rate_sigma = 0.0;  ///< of each rate at first [rad/s], >= 0; 0 = not known (InitialRate)
+
+  friend bool operator==(const NogaParams& a, const NogaParams& b) {
+    return std::tie(a.rows, a.weighted, a.feedback, a.covariance, a.initial_rate_sigma) ==
+           std::tie(b.rows, b.weighted, b.feedback, b.covariance, b.initial_rate_sigma);
+  }
 };
 
 /// NOGA, form `paper`: equations (10)-(16C) as the model, (20)-(22) to make it agree with the sighting,

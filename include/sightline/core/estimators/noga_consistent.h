@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "sightline/core/estimators/estimator.h"
@@ -29,6 +30,12 @@ struct NogaConsistentParams {
   double outlier_share = 0.01;      ///< of sightings that are not the target's, in [0, 1)
   double outlier_width = 4.0;       ///< over which they lie, in amplitudes, > 0
   NoiseLearningParams noise;        ///< what the sightings' noise really is
+
+  friend bool operator==(const NogaConsistentParams& a, const NogaConsistentParams& b) {
+    return std::tie(a.models, a.amplitude, a.initial_rate_sigma, a.dwell, a.outlier_share, a.outlier_width,
+                    a.noise) == std::tie(b.models, b.amplitude, b.initial_rate_sigma, b.dwell,
+                                         b.outlier_share, b.outlier_width, b.noise);
+  }
 };
 
 /// The settings of section 4.3 to the letter: six models for an amplitude of 1 rad, the sightings' noise as
@@ -57,6 +64,7 @@ class NogaConsistentEstimator final : public Estimator {
   std::vector<Hypothesis> hypothesesAt(Time time) const override;
   bool knowsRates() const override { return !rate_.isOpen(); }
   Eigen::Vector2d noiseScale() const override;
+  void learnNoise(bool enabled) override;
   void rotate(const Eigen::Matrix3d& R_new_old) override;
 
   /// Probability of each model by the sightings so far.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,6 +21,11 @@ struct ResponseModel {
   double kappa = 0.0;       ///< the known kappa [1/s^2] (fixed_harmonic)
   double fade = 1.0;        ///< time constant of the acceleration [s] (fading), > 0
   double attraction = 1.0;  ///< in proportion to which it is probable at first and gone over to, > 0
+
+  friend bool operator==(const ResponseModel& a, const ResponseModel& b) {
+    return std::tie(a.kind, a.q, a.q_kappa, a.kappa, a.fade, a.attraction) ==
+           std::tie(b.kind, b.q, b.q_kappa, b.kappa, b.fade, b.attraction);
+  }
 };
 
 /// The default bank, free of scale.

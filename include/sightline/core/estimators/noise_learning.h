@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <type_traits>
 
 #include <Eigen/Core>
@@ -15,6 +16,11 @@ struct NoiseLearningParams {
   double trust = 2.0;       ///< sightings that the stated covariance counts for at first, > 0
   double min_scale = 1e-3;  ///< least variance over the stated one, in (0, 1]
   double max_scale = 1e2;   ///< largest, >= 1
+
+  friend bool operator==(const NoiseLearningParams& a, const NoiseLearningParams& b) {
+    return std::tie(a.enabled, a.memory, a.trust, a.min_scale, a.max_scale) ==
+           std::tie(b.enabled, b.memory, b.trust, b.min_scale, b.max_scale);
+  }
 };
 
 /// The variance s^2 of the sightings' white noise over the stated one, integrated out (S-11): an inverse
@@ -25,6 +31,9 @@ class NoiseLearning {
  public:
   /// Throws std::invalid_argument for a parameter out of range.
   explicit NoiseLearning(const NoiseLearningParams& params);
+
+  /// Whether it learns from now on. It begins anew; the scales are their owner's.
+  void enable(bool enabled);
 
   /// A sighting comes `h` seconds after the last one. The first few tell of the rate alone.
   void next(double h);

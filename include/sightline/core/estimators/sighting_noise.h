@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tuple>
+
 #include <Eigen/Core>
 
 namespace sightline::core {
@@ -50,6 +52,10 @@ struct ProcessNoise {
   Eigen::Matrix2d densityFor(const Eigen::Matrix2d& sighting_noise, double per) const {
     if (density > 0.0) return density * Eigen::Matrix2d::Identity();
     return ratio / per * sighting_noise;
+  }
+
+  friend bool operator==(const ProcessNoise& a, const ProcessNoise& b) {
+    return std::tie(a.density, a.ratio) == std::tie(b.density, b.ratio);
   }
 };
 

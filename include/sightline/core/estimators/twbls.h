@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Core>
@@ -63,6 +64,13 @@ struct TwblsParams {
   TwblsAnchor anchor = TwblsAnchor::fit;
   TwblsCovariance covariance = TwblsCovariance::residual;
   double initial_rate_sigma = 0.0;  ///< of each rate at first [rad/s], >= 0; 0 = not known (InitialRate)
+
+  friend bool operator==(const TwblsParams& a, const TwblsParams& b) {
+    return std::tie(a.window, a.max_sightings, a.min_sightings, a.time_weight, a.decay, a.sensor_weight,
+                    a.anchor, a.covariance, a.initial_rate_sigma) ==
+           std::tie(b.window, b.max_sightings, b.min_sightings, b.time_weight, b.decay, b.sensor_weight,
+                    b.anchor, b.covariance, b.initial_rate_sigma);
+  }
 };
 
 /// Half width of the paper's gate, seconds `h` after the last sighting: three times the linear sum E_2 + h

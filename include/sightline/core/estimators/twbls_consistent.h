@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "sightline/core/estimators/estimator.h"
@@ -29,6 +30,12 @@ struct TwblsConsistentParams {
   double memory = 2.0;              ///< for the evidence of each process noise [units of time], > 0
   double initial_rate_sigma = 0.0;  ///< of each rate at first [rad/s], >= 0; 0 = not known (InitialRate)
   NoiseLearningParams noise;        ///< what the sightings' noise really is
+
+  friend bool operator==(const TwblsConsistentParams& a, const TwblsConsistentParams& b) {
+    return std::tie(a.process_noises, a.sightings, a.min_span, a.exact_window, a.memory, a.initial_rate_sigma,
+                    a.noise) == std::tie(b.process_noises, b.sightings, b.min_span, b.exact_window, b.memory,
+                                         b.initial_rate_sigma, b.noise);
+  }
 };
 
 /// TWBLS, form `consistent` (S-4)-(S-6): generalised least squares of a straight line over the last
@@ -52,6 +59,7 @@ class TwblsConsistentEstimator final : public Estimator {
   std::optional<AngularState> stateAt(Time time) const override;
   bool knowsRates() const override { return !rate_.isOpen(); }
   Eigen::Vector2d noiseScale() const override;
+  void learnNoise(bool enabled) override;
   void rotate(const Eigen::Matrix3d& R_new_old) override;
 
   /// Weight of each process noise by the sightings so far; they sum to one.

@@ -39,6 +39,9 @@ class GlobalTracks {
  public:
   explicit GlobalTracks(const TrackFusionParams& params);
 
+  /// Goes on with parameters that differ in what may change in flight (see whyNotInFlight).
+  void reconfigure(const TrackFusionParams& wanted);
+
   Time time() const { return time_; }
 
   /// Ascending id. Indices hold until the next `merge`, `erase` or `deleteSilent`.

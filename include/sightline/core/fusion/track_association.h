@@ -22,6 +22,9 @@ class TrackAssociation {
  public:
   explicit TrackAssociation(const TrackFusionParams& params);
 
+  /// Goes on with parameters that differ in what may change in flight (see whyNotInFlight).
+  void reconfigure(const TrackFusionParams& wanted);
+
   /// Learns from how far the reporting tracker's tracks are from the other trackers' estimates.
   void learnMisalignment(const GlobalTracks& tracks, const std::string& reporting);
 

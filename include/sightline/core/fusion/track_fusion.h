@@ -64,6 +64,14 @@ class TrackFusion {
   /// was.
   FusionReport onReport(const LocalReport& report, std::optional<Time> arrival = std::nullopt);
 
+  /// Goes on with other parameters from the next report on. Global tracks, their ids and their supporters
+  /// stay; thresholds of the guard hold for tracklets later than the common time, late ones are judged by
+  /// those that held at their time. A rule that uses tracklets after one that does not begins with those that
+  /// come from then on. Returns why not (`whyNotInFlight` says what may change); then nothing has changed.
+  std::optional<Refusal> reconfigure(const TrackFusionParams& wanted);
+
+  const TrackFusionParams& params() const { return params_; }
+
   /// Tracklets that came too late to be used.
   std::size_t lateTracklets() const { return losses_.late; }
 

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <optional>
+
 #include "sightline/core/fusion/fusion_report.h"
 #include "sightline/core/fusion/local_reports.h"
 #include "sightline/core/fusion/rules/fusion_rules.h"
 #include "sightline/core/fusion/tracklets/tracklet_fusion.h"
 #include "sightline/core/fusion/tracklets/tracklet_memory.h"
+#include "sightline/core/model/refusal.h"
 
 namespace sightline::core {
 
@@ -43,6 +46,21 @@ struct TrackFusionParams {
 
 /// Throws std::invalid_argument for parameters out of their range.
 void requireValid(const TrackFusionParams& params);
+
+/// Whether the rule can make use of tracklets.
+bool usesTracklets(FusionRule rule);
+
+/// Why a fusion with the parameters `now` cannot go on with `wanted`: the field that holds from the start of
+/// the fusion on, or is out of range. nullopt when it can: the two differ only in
+///
+/// - `rule`, `intersection_weights`, `allow_shared_sensors`,
+/// - `gate_probability`, `leave_factor`, `leave_after`,
+/// - `coasting_age`, `delete_after`, `remember`,
+/// - `tracklets.max_missing`, and of `tracklets.guard.health` `noise_threshold`, `bias_threshold`,
+///   `noise_release`, `bias_release`, `least_exclusion`.
+///
+/// The rest is what global tracks and the memories of reports and tracklets were made with, and the limits.
+std::optional<Refusal> whyNotInFlight(const TrackFusionParams& now, const TrackFusionParams& wanted);
 
 /// Tracklets are kept as long as a global track could still take them.
 TrackletMemoryParams memoryParamsOf(const TrackFusionParams& params);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Core>
@@ -15,6 +16,10 @@ struct ClockOffsetParams {
   double memory = 60.0;       ///< time constant with which old sightings are forgotten [s], > 0
   double significance = 5.0;  ///< standard errors from zero at which an offset is claimed, > 0
   double least = 0.002;       ///< smallest offset that is claimed [s], >= 0
+
+  friend bool operator==(const ClockOffsetParams& a, const ClockOffsetParams& b) {
+    return std::tie(a.memory, a.significance, a.least) == std::tie(b.memory, b.significance, b.least);
+  }
 };
 
 /// By how much a clock is behind: sightings carry stamps that are so much too early.

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,6 +20,11 @@ struct DetectionParams {
   double memory = 300.0;          ///< scans over which is learned, >= 10
   double births = 0.1;            ///< new targets expected in the view of a sensor [1/unit of time], > 0
   double first_targets = 1.0;     ///< expected there when it looks for the first time, > 0
+
+  friend bool operator==(const DetectionParams& a, const DetectionParams& b) {
+    return std::tie(a.probability, a.clutter_density, a.memory, a.births, a.first_targets) ==
+           std::tie(b.probability, b.clutter_density, b.memory, b.births, b.first_targets);
+  }
 };
 
 /// What is known of one sensor.

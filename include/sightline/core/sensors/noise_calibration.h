@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,6 +18,11 @@ struct NoiseCalibrationParams {
   double settled = 300.0;   ///< sightings that count at last, >= trust
   double min_scale = 1e-3;  ///< least variance over the stated one, in (0, 1]
   double max_scale = 1e2;   ///< largest, >= 1
+
+  friend bool operator==(const NoiseCalibrationParams& a, const NoiseCalibrationParams& b) {
+    return std::tie(a.enabled, a.trust, a.settled, a.min_scale, a.max_scale) ==
+           std::tie(b.enabled, b.trust, b.settled, b.min_scale, b.max_scale);
+  }
 };
 
 /// What is known of one sensor's noise.
@@ -36,6 +42,10 @@ class NoiseCalibration {
  public:
   /// Throws std::invalid_argument for parameters out of range.
   explicit NoiseCalibration(const NoiseCalibrationParams& params);
+
+  /// Whether it learns from now on; switching it off forgets what it has learnt, so that the stated variances
+  /// count.
+  void enable(bool enabled);
 
   /// Factor on the sensor's stated variances.
   double scale(const std::string& sensor) const;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,6 +25,11 @@ struct GuardParams {
   double support = 2.5;    ///< silence after which a sensor no longer corroborates a track [s], > 0
   double reach =
       100.0;  ///< distance from a track up to which an unassociated sighting may be its own [sigma], > 0
+
+  friend bool operator==(const GuardParams& a, const GuardParams& b) {
+    return std::tie(a.enabled, a.health, a.clock, a.roll_back, a.support, a.reach) ==
+           std::tie(b.enabled, b.health, b.clock, b.roll_back, b.support, b.reach);
+  }
 };
 
 /// The guard's verdict on one sensor.
@@ -64,6 +70,9 @@ class SensorGuard {
  public:
   /// Throws std::invalid_argument for parameters out of range.
   explicit SensorGuard(const GuardParams& params);
+
+  /// Judges by the thresholds and releases of these from now on: those that may change by `fixedGuardField`.
+  void setThresholds(const SensorHealthParams& health);
 
   /// How the sightings of a sensor are to be used: as stated while it is healthy.
   SensorUse useOf(const std::string& sensor) const;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <tuple>
 
 #include <Eigen/Core>
 
@@ -47,6 +48,15 @@ struct SensorHealthParams {
   double noise_release = 1.5;       ///< scale of the variance below which the sensor has recovered, > 1
   double bias_release = 0.35;       ///< mean innovation below which it has [sigma], > 0
   double least_exclusion = 1.0;     ///< that an exclusion lasts [s], >= 0
+
+  friend bool operator==(const SensorHealthParams& a, const SensorHealthParams& b) {
+    return std::tie(a.form, a.noise_threshold, a.noise_ratio, a.largest_evidence, a.bias_threshold,
+                    a.bias_slack, a.largest_innovation, a.memory, a.largest_scale, a.least_scale,
+                    a.noise_release, a.bias_release, a.least_exclusion) ==
+           std::tie(b.form, b.noise_threshold, b.noise_ratio, b.largest_evidence, b.bias_threshold,
+                    b.bias_slack, b.largest_innovation, b.memory, b.largest_scale, b.least_scale,
+                    b.noise_release, b.bias_release, b.least_exclusion);
+  }
 };
 
 /// One number for each channel that a sensor measures: one or two, nothing is allocated.
@@ -100,6 +110,9 @@ class SensorHealth {
 
   /// Both.
   std::optional<HealthChange> add(Time time, const Innovation& innovation);
+
+  /// Judges by the thresholds of these from now on; what has been summed up stays.
+  void setThresholds(const SensorHealthParams& params);
 
   /// Starts anew, as for a sensor of which nothing is known.
   void forget(Time time);

@@ -68,6 +68,9 @@ class LiveTrack {
   /// Goes on as the track that a target had before it was lost.
   void resume(const LiveTrack& lost);
 
+  /// Whether its estimator learns the sightings' noise from now on: see Estimator::learnNoise.
+  void learnNoise(bool enabled) { estimator_.learnNoise(enabled); }
+
   /// How far the track corroborates a sensor's sightings at `time`.
   Corroboration corroborationOf(const std::string& sensor, Time time, const SensorGuard& guard) const;
 

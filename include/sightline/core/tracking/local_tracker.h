@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "sightline/core/association/association.h"
-#include "sightline/core/association/gate.h"
-#include "sightline/core/estimators/estimators.h"
 #include "sightline/core/model/refusal.h"
 #include "sightline/core/model/sighting.h"
 #include "sightline/core/model/track.h"
 #include "sightline/core/ordering/scan_order.h"
+#include "sightline/core/ordering/settings_history.h"
 #include "sightline/core/ordering/timeline.h"
 #include "sightline/core/sensors/detection_calibration.h"
 #include "sightline/core/sensors/noise_calibration.h"
@@ -19,23 +18,9 @@
 #include "sightline/core/sensors/sensor_guard.h"
 #include "sightline/core/tracking/duplicate_tracks.h"
 #include "sightline/core/tracking/live_track.h"
-#include "sightline/core/tracking/track_lifecycle.h"
+#include "sightline/core/tracking/local_tracker_params.h"
 
 namespace sightline::core {
-
-struct LocalTrackerParams {
-  EstimatorParams estimator;
-  GateParams gate;
-  AssociationMethod association = AssociationMethod::nearest;
-  bool adapt_gate = true;  ///< enlarge S by the innovations seen, where they are larger than S explains
-  LifecycleParams lifecycle;
-  DetectionParams detection;
-  NoiseCalibrationParams noise_calibration;
-  GuardParams guard;
-  double max_lag = 0.5;   ///< scans up to this much older than the newest are put in their place [s], >= 0
-  int max_tracks = 1000;  ///< no track is started beyond, >= 1
-  int max_sightings = 10000;  ///< of one scan; the rest is rejected, >= 1
-};
 
 /// What a tracker reports after a scan.
 struct ScanReport {
@@ -70,6 +55,16 @@ class LocalTracker {
   /// Time went back to `time`: deletes the tracks and everything learnt, and tracks on from there. Ids go on.
   void startAnew(Time time);
 
+  /// Goes on with other parameters: they hold for scans later than the newest one; scans that come late, and
+  /// those processed again because of them, are processed with the parameters that held at their time.
+  /// Tracks, their ids and what has been learnt stay. Where noise calibration is switched, what was learnt of
+  /// the noise is forgotten. Returns why not (`whyNotInFlight` says what may change); then nothing has
+  /// changed.
+  std::optional<Refusal> reconfigure(const LocalTrackerParams& wanted);
+
+  /// The parameters that hold for the next scan.
+  const LocalTrackerParams& params() const { return *settings_.newest(); }
+
   /// Verdicts on the sensors that have been compared with others, by name.
   std::vector<WatchedSensor> sensors() const { return state_.guard.sensors(); }
 
@@ -83,6 +78,7 @@ class LocalTracker {
   /// Everything that a scan changes.
   struct State {
     Time time{};
+    SettingsHistory<LocalTrackerParams>::Pointer settings;  // with which the tracks and all below go on
     TrackIds ids;
     std::vector<LiveTrack> tracks;  // ascending id
     NoiseCalibration calibration;
@@ -103,6 +99,8 @@ class LocalTracker {
   };
 
   State firstState(Time time, const TrackIds& ids) const;
+  const LocalTrackerParams& settings() const { return *state_.settings; }
+  void followSettings(Time time);
   std::optional<Refusal> refusalOf(const Scan& scan) const;
 
   std::vector<Association> putInPlace(const Scan& scan, ScanReport& result);
@@ -127,7 +125,7 @@ class LocalTracker {
   void deleteTracks();
   std::vector<Track> report() const;
 
-  LocalTrackerParams params_;
+  SettingsHistory<LocalTrackerParams> settings_;
   State state_;
   Timeline<Scan, SensorUse, State> scans_;
   SensorChangeReporter reporter_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 
 #include "sightline/core/association/existence.h"
 #include "sightline/core/model/time.h"
@@ -36,6 +37,15 @@ struct LifecycleParams {
   /// Scans in a row in which two tracks at the same place with the same motion share the sightings of one
   /// target, after which the younger is deleted, >= 1
   int merge_scans = 10;
+
+  friend bool operator==(const LifecycleParams& a, const LifecycleParams& b) {
+    return std::tie(a.by_existence, a.confirm_hits, a.confirm_scans, a.confirm_existence, a.show_existence,
+                    a.presence, a.coast_misses, a.coast_silence, a.delete_misses, a.delete_silence,
+                    a.remember, a.max_spread, a.merge_scans) ==
+           std::tie(b.by_existence, b.confirm_hits, b.confirm_scans, b.confirm_existence, b.show_existence,
+                    b.presence, b.coast_misses, b.coast_silence, b.delete_misses, b.delete_silence,
+                    b.remember, b.max_spread, b.merge_scans);
+  }
 };
 
 constexpr std::uint32_t kMatureHits = 30;  // sightings of a track whose innovations tell of its sensors: a

@@ -61,6 +61,10 @@ class LocalTrackerComponent {
   /// Time went back to `time`: deletes everything and tracks on from there.
   void startAnew(sightline::core::Time time);
 
+  /// Loads the parameters of the tracker again and goes on with them: see core::LocalTracker::reconfigure.
+  /// Returns why not; then nothing has changed. Throws ParamError; likewise.
+  std::optional<sightline::core::Refusal> reconfigure(const ParamReader& reader);
+
   /// How the stamps of each sensor stand to the others'.
   std::vector<sightline::core::WatchedStamps> stamps() const { return stamps_.sensors(); }
 

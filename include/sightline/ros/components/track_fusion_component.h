@@ -65,6 +65,11 @@ class TrackFusionComponent {
   std::optional<sightline::core::Refusal> onTracklets(const sightline::TrackletArray& local,
                                                       const std::string& topic, sightline::core::Time now);
 
+  /// Loads the parameters of the fusion again and goes on with them: see core::TrackFusion::reconfigure.
+  /// Returns why not; then nothing has changed. Throws ParamError; likewise. Afterwards `wantsTracklets` may
+  /// be another.
+  std::optional<sightline::core::Refusal> reconfigure(const ParamReader& reader);
+
   /// Where sensors stand; null without transforms.
   SensorPlaces* places() { return places_ ? &*places_ : nullptr; }
 

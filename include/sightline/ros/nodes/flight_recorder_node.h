@@ -28,7 +28,7 @@ struct FlightRecorderParams {
   double seconds = 60.0;         ///< that are kept [s]
   double max_megabytes = 256.0;  ///< of memory
   std::string folder = "flight_records";
-  std::vector<std::string> topics;  ///< empty: whatever this package publishes, tf and /diagnostics
+  std::vector<std::string> topics;  ///< empty: those of `isOfTracking`
   std::vector<std::string> track_topics = {"/fusion/tracks"};
   std::vector<std::string> report_topics = {"/fusion/report"};
   double after = 5.0;                  ///< [s] from an incident to the save
@@ -39,7 +39,8 @@ struct FlightRecorderParams {
 /// Throws ParamError.
 FlightRecorderParams loadFlightRecorderParams(const ParamReader& reader);
 
-/// Whether a topic is kept when none is named: messages of this package, tf and /diagnostics.
+/// Whether a topic is kept when none is named: messages of this package, tf, parameters that change in flight
+/// and /diagnostics.
 bool isOfTracking(const ros::master::TopicInfo& topic);
 
 /// Keeps the last minute of what trackers see, decide and say, in bounded memory, and saves it to a bag: when

@@ -17,11 +17,13 @@
 #include "sightline/ros/diagnosis/callback_guard.h"
 #include "sightline/ros/diagnosis/periodic_diagnostics.h"
 #include "sightline/ros/diagnosis/transform_subscriber.h"
+#include "sightline/ros/nodes/reconfigure_server.h"
 
 namespace sightline_ros {
 
 /// Node and nodelet round a LocalTrackerComponent: every topic of `~sighting_topics` in; `tracks`,
-/// `tracklets`, `associations` and /diagnostics out. Its callbacks run on one queue, one at a time.
+/// `tracklets`, `associations` and /diagnostics out; parameters change by
+/// dynamic_reconfigure. Its callbacks run on one queue, one at a time.
 class LocalTrackerNode {
  public:
   /// Throws ParamError.
@@ -49,6 +51,7 @@ class LocalTrackerNode {
   std::vector<ros::Subscriber> sightings_;
   std::unique_ptr<TransformSubscriber> transform_subscriber_;
   ros::WallTimer timeout_timer_;
+  std::optional<ReconfigureServer> reconfigure_server_;
   std::optional<PeriodicDiagnostics> diagnostics_;
 };
 

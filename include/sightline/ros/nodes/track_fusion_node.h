@@ -17,12 +17,13 @@
 #include "sightline/ros/diagnosis/callback_guard.h"
 #include "sightline/ros/diagnosis/periodic_diagnostics.h"
 #include "sightline/ros/diagnosis/transform_subscriber.h"
+#include "sightline/ros/nodes/reconfigure_server.h"
 
 namespace sightline_ros {
 
 /// Node and nodelet round a TrackFusionComponent: every topic of `~track_topics` in, with the tracklets
-/// beside each; `fusion/tracks`, `fusion/report` and /diagnostics out. Its callbacks run on one queue, one at
-/// a time.
+/// beside each; `fusion/tracks`, `fusion/report` and /diagnostics out; parameters change by
+/// dynamic_reconfigure. Its callbacks run on one queue, one at a time.
 class TrackFusionNode {
  public:
   /// Throws ParamError.
@@ -36,6 +37,8 @@ class TrackFusionNode {
   void onEndOfWait();
   void timeWait();
   void publish(const FusionResult& result, sightline::core::Time now);
+  std::optional<sightline::core::Refusal> reconfigure(const ParamReader& changed);
+  void followRule();
   void noticeTimeJump(sightline::core::Time now);
 
   ros::NodeHandle nh_;
@@ -51,6 +54,8 @@ class TrackFusionNode {
   std::vector<ros::Subscriber> subscribers_;
   ros::Timer end_of_wait_;      // of reports for others
   bool is_wait_timed_ = false;  // the timer runs
+  std::vector<ros::Subscriber> tracklet_subscribers_;  // none while the rule makes no use of tracklets
+  std::optional<ReconfigureServer> reconfigure_server_;
   std::optional<PeriodicDiagnostics> diagnostics_;
 };
 

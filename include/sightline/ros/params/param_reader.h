@@ -18,6 +18,18 @@ struct ParamError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A number, flag or text as it was read: what a loader asked for, and what it got.
+struct ReadParam {
+  enum class Kind { number, integer, flag, text };
+  std::string key;  ///< below the reader, sub-namespaces before a slash: "gate/probability"
+  Kind kind = Kind::text;
+  XmlRpc::XmlRpcValue value;         ///< in force
+  XmlRpc::XmlRpcValue fallback;      ///< what it is where it is not set
+  Range range;                       ///< of a number or an integer
+  std::string unit;                  ///< of a number, may be empty
+  std::vector<std::string> choices;  ///< of a text; empty = any
+};
+
 /// Reads one tree of parameters strictly: a wrong type, a value out of range, a missing required key and a
 /// key that nobody asked for are refused with a ParamError. It remembers what was read; a reader and its
 /// sub-readers and copies share that memory. Whole numbers serve as numbers; nothing else is converted.
@@ -42,6 +54,9 @@ class ParamReader {
 
   /// The same tree with one key set to another value, for what a command line overrides.
   ParamReader with(const std::string& key, const XmlRpc::XmlRpcValue& value) const;
+
+  /// The same with a key of a sub-namespace, "gate/probability", and with a memory of its own.
+  ParamReader withKey(const std::string& path, const XmlRpc::XmlRpcValue& value) const;
 
   /// Each element of a list of maps; empty when the key is not there.
   std::vector<ParamReader> list(const std::string& key) const;
@@ -75,6 +90,9 @@ class ParamReader {
   /// Refuses every key at or below this level that nobody read.
   void finish() const;
 
+  /// Every number, flag and text at or below this level that was read with a fallback, by key.
+  std::vector<ReadParam> readParams() const;
+
   /// Full names of the keys at or below this level that were read and are absent or differ from the fallback.
   std::vector<std::string> differences() const;
 
@@ -84,9 +102,11 @@ class ParamReader {
   ParamReader(std::shared_ptr<XmlRpc::XmlRpcValue> tree, std::string name, std::shared_ptr<Memory> memory);
 
   std::string fullName(const std::string& key) const;
+  bool isBelow(const std::string& full_name) const;
   XmlRpc::XmlRpcValue* find(const std::string& key) const;
   XmlRpc::XmlRpcValue& findRequired(const std::string& key, const std::string& expected) const;
   void remember(const std::string& key, bool equals_fallback) const;
+  void remember(const std::string& key, ReadParam read) const;
 
   std::shared_ptr<XmlRpc::XmlRpcValue> tree_;
   std::string name_;

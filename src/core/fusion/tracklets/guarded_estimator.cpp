@@ -70,6 +70,12 @@ GuardedEstimator::GuardedEstimator(const EstimatorParams& estimator, const Guard
       state_{std::nullopt, SensorGuard(guard), {}, 0, {}},
       taken_(timelineParams(guard, keep)) {}
 
+void GuardedEstimator::setThresholds(const std::shared_ptr<const SensorHealthParams>& health) {
+  if (thresholds_ == health) return;
+  thresholds_ = health;
+  state_.guard.setThresholds(*health);
+}
+
 void GuardedEstimator::take(const Tracklet& next, const Past& past) {
   if (!settings_->guard.enabled) return update(next, {});
   taken_.insert({next.time});
@@ -171,6 +177,7 @@ void GuardedEstimator::rollBack(const SensorChange& change, const Past& past) {
   const std::size_t from = taken_.restore(taken_.lastNotAfter(began), state_);
   const Time since = taken_[from].item.time;
   state_.guard.adopt(known, since);
+  if (thresholds_) state_.guard.setThresholds(*thresholds_);
   for (std::size_t k = from; k < alarm; ++k, taken_.advance()) {
     const Tracklet& tracklet = past(alarm - k);
     taken_.keepIfDue(state_);

@@ -21,7 +21,7 @@ TimelineParams timelineParams(double max_lag) {
 }  // namespace
 
 TrackletTrack::TrackletTrack(const EstimatorParams& estimator, double max_lag, const GuardParams& guard)
-    : reports_(timelineParams(max_lag)), estimator_(estimator, guard, max_lag) {}
+    : thresholds_(guard.health), reports_(timelineParams(max_lag)), estimator_(estimator, guard, max_lag) {}
 
 bool TrackletTrack::add(const LocalKey& source, std::uint64_t number, const Tracklet& tracklet) {
   if (closed_ && tracklet.time < *closed_) return false;
@@ -47,6 +47,11 @@ std::optional<std::uint64_t> TrackletTrack::remove(const LocalKey& source, Time 
   return least;
 }
 
+void TrackletTrack::setThresholds(const SensorHealthParams& health, Time after) {
+  if (closed_) thresholds_.forgetBefore(*closed_);
+  thresholds_.change(health, after);
+}
+
 void TrackletTrack::advanceTo(Time time) {
   while (reports_.next() < reports_.size() && reports_[reports_.next()].item.tracklet.time <= time) {
     try {
@@ -67,6 +72,7 @@ void TrackletTrack::processNext() {
     return reports_[reports_.next() - back].item.tracklet;
   };
   reports_.keepIfDue(estimator_);
+  estimator_.setThresholds(thresholds_.at(reports_[reports_.next()].item.tracklet.time));
   estimator_.take(reports_[reports_.next()].item.tracklet, past);
   reports_.advance();
 }

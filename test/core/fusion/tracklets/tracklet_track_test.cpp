@@ -278,6 +278,55 @@ TEST(TrackletGuard, AnyOrderOfArrivalGivesTheSameBitsThroughAlarmsAndRecoveries)
   EXPECT_GE(alarms, 10);
 }
 
+TEST(TrackletGuard, NewThresholdsHoldFromTheirTimeOnInWhateverOrderTrackletsCome) {
+  Watched watched;
+  watched.sensors = 4;
+  watched.bias = 4.0;
+  const std::vector<Tracklet> tracklets = trackletsOf(watched);  // one sensor is off from 2 s on
+  SensorHealthParams lenient;
+  lenient.noise_threshold = lenient.bias_threshold = 1e9;
+  const Time change = platformTime(1.5), back = platformTime(4.0);
+  // Late ones come 0.3 s after their time: those of before a change come after it, too.
+  const auto run = [&](bool some_are_late, bool changes) {
+    TrackletTrack track(kalmanOf(1.0), 1.0);
+    std::vector<Tracklet> waiting;
+    Time newest{};
+    const auto give = [&](const Tracklet& tracklet) {
+      EXPECT_TRUE(track.add(sourceOf(tracklet), 1, tracklet));
+      newest = std::max(newest, tracklet.time);
+      stateAt(track, newest);
+    };
+    for (std::size_t k = 0; k < tracklets.size(); ++k) {
+      const Tracklet& tracklet = tracklets[k];
+      while (!waiting.empty() && seconds(tracklet.time - waiting.front().time) > 0.3) {
+        give(waiting.front());
+        waiting.erase(waiting.begin());
+      }
+      const bool passes_change = k > 0 && tracklets[k - 1].time <= change && tracklet.time > change;
+      const bool passes_back = k > 0 && tracklets[k - 1].time <= back && tracklet.time > back;
+      if (changes && passes_change) track.setThresholds(lenient, change);
+      if (changes && passes_back) track.setThresholds(SensorHealthParams{}, back);
+      if (some_are_late && k % 5 == 2) {
+        waiting.push_back(tracklet);
+      } else {
+        give(tracklet);
+      }
+    }
+    for (const Tracklet& tracklet : waiting) give(tracklet);
+    return track;
+  };
+  TrackletTrack in_order = run(false, true), late = run(true, true), unchanged = run(false, false);
+  const Time end = tracklets.back().time;
+  EXPECT_EQ(stateAt(in_order, end)->mean, stateAt(late, end)->mean);
+  EXPECT_EQ(stateAt(in_order, end)->covariance, stateAt(late, end)->covariance);
+  ASSERT_TRUE(verdictOn(unchanged, "camera d").last);
+  EXPECT_LT(seconds(verdictOn(unchanged, "camera d").last->time - platformTime(2.0)), 0.5);
+  for (const TrackletTrack* track : {&in_order, &late}) {
+    ASSERT_TRUE(verdictOn(*track, "camera d").last);
+    EXPECT_GT(verdictOn(*track, "camera d").last->time, back) << "not judged before the thresholds are back";
+  }
+}
+
 TEST(TrackletGuard, OfTwoSourcesItIsOnlySaid) {
   Watched watched;
   watched.sensors = 2;

@@ -38,6 +38,9 @@ class GuardedEstimator {
   GuardedEstimator& operator=(const GuardedEstimator&) = delete;
   ~GuardedEstimator() = default;
 
+  /// Judges by these thresholds from the next tracklet on; never null.
+  void setThresholds(const std::shared_ptr<const SensorHealthParams>& health);
+
   /// Takes the next tracklet, not older than the last. `past` must reach back over `reach()` tracklets.
   void take(const Tracklet& next, const Past& past);
 
@@ -99,6 +102,7 @@ class GuardedEstimator {
   Corroboration corroborationOf(const Tracklet& tracklet) const;
 
   std::shared_ptr<const Settings> settings_;
+  std::shared_ptr<const SensorHealthParams> thresholds_;  // null: those of the settings
   State state_;
   std::vector<SensorChange> changes_;
   Timeline<Instant, SensorUse, State> taken_;  // empty while the guard is off

@@ -47,6 +47,9 @@ class TrackletFusion {
   /// The supporter is gone: others may report for its sensors. Its tracklets stay.
   void leave(const LocalKey& supporter);
 
+  /// Sensors are judged by these thresholds from their tracklets later than `after` on.
+  void setThresholds(const SensorHealthParams& health, Time after) { track_.setThresholds(health, after); }
+
   /// Runs the estimator over all tracklets up to `time`. Times do not go back.
   void advanceTo(Time time) { track_.advanceTo(time); }
 

@@ -14,6 +14,7 @@
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/tracklet.h"
 #include "sightline/core/ordering/scan_order.h"
+#include "sightline/core/ordering/settings_history.h"
 #include "sightline/core/ordering/timeline.h"
 #include "sightline/core/sensors/sensor_changes.h"
 #include "sightline/core/sensors/sensor_guard.h"
@@ -42,6 +43,10 @@ class TrackletTrack {
   /// Takes out the tracklets of a source since then, as far back as `max_lag` allows. Returns the least
   /// number of those taken out.
   std::optional<std::uint64_t> remove(const LocalKey& source, Time since);
+
+  /// Sensors are judged by these thresholds from their tracklets later than `after` on; one that comes late
+  /// is judged, and those after it are again, by the thresholds that held at its time.
+  void setThresholds(const SensorHealthParams& health, Time after);
 
   /// Runs the estimator over the tracklets up to `time`. Times do not go back. A tracklet that the estimator
   /// cannot take (it throws) is dropped, and the estimator goes on from the state before it.
@@ -85,6 +90,7 @@ class TrackletTrack {
   void dropNext(const std::string& why);
   void forgetOld();
 
+  SettingsHistory<SensorHealthParams> thresholds_;
   Timeline<Report, NoUse, GuardedEstimator> reports_;
   GuardedEstimator estimator_;  // has taken the reports before the timeline's next
   std::optional<Time> closed_;  // before this nothing can be put any more
