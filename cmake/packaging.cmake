@@ -29,7 +29,7 @@ string(JOIN ", " CPACK_DEBIAN_PACKAGE_RECOMMENDS
   rviz python3-matplotlib python3-plotly
   python3-rostopic python3-rosnode python3-rosparam python3-rosservice
   python3-diagnostic-msgs python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-std-srvs python3-tf2-msgs
-  python3-visualization-msgs)
+  python3-visualization-msgs python3-dynamic-reconfigure)
 # Headers and sightlineConfig.cmake are in the package too: what a program needs that builds against it.
 string(JOIN ", " CPACK_DEBIAN_PACKAGE_SUGGESTS libroscpp-dev libtf2-ros-dev libeigen3-dev libyaml-cpp-dev)
 

@@ -44,7 +44,7 @@ std::vector<double> bitsOf(const ScanReport& report) {
                              static_cast<double>(track.hits), track.existence});
     bits.insert(bits.end(), track.state.mean.data(), track.state.mean.data() + 4);
     bits.insert(bits.end(), track.state.covariance.data(), track.state.covariance.data() + 16);
-    bits.insert(bits.end(), {track.gate.azimuth_half_width, track.gate.elevation_half_width});
+    bits.insert(bits.end(), {track.gate.half_width.x(), track.gate.half_width.y()});
   }
   return bits;
 }
@@ -95,7 +95,7 @@ TEST(LocalTrackerSettings, AnotherGateProbabilityHoldsForTheNextScanAndTracksGoO
   EXPECT_EQ(now.tracks[0].id, before.tracks[0].id);
   EXPECT_EQ(now.tracks[0].hits, before.tracks[0].hits);
   EXPECT_EQ(now.tracks[0].state.mean, before.tracks[0].state.mean) << "the sighting is inside both gates";
-  EXPECT_NEAR(now.tracks[0].gate.azimuth_half_width / before.tracks[0].gate.azimuth_half_width,
+  EXPECT_NEAR(now.tracks[0].gate.half_width.x() / before.tracks[0].gate.half_width.x(),
               std::sqrt(std::log(0.1) / std::log(0.0005)), 1e-9);
 }
 
@@ -217,20 +217,20 @@ TEST(LocalTrackerSettings, SwitchingNoiseCalibrationForgetsWhatWasLearnt) {
     const std::uint32_t id = report.tracks[0].id;
     ASSERT_EQ(tracker.calibratedSensors().size(), 1u);
     EXPECT_LT(tracker.calibratedSensors()[0].scale, 0.5);
-    const double learnt = report.tracks[0].gate.azimuth_half_width;
+    const double learnt = report.tracks[0].gate.half_width.x();
 
     ASSERT_FALSE(tracker.reconfigure(off));
     for (std::size_t k = 300; k < 600; ++k) report = tracker.onScan(scans[k]);
     EXPECT_TRUE(tracker.calibratedSensors().empty());
     ASSERT_EQ(report.tracks.size(), 1u);
     EXPECT_EQ(report.tracks[0].id, id);
-    EXPECT_GT(report.tracks[0].gate.azimuth_half_width, 2.0 * learnt) << "the stated noise counts";
+    EXPECT_GT(report.tracks[0].gate.half_width.x(), 2.0 * learnt) << "the stated noise counts";
 
     ASSERT_FALSE(tracker.reconfigure(on));
     for (std::size_t k = 600; k < 900; ++k) report = tracker.onScan(scans[k]);
     EXPECT_EQ(report.tracks.at(0).id, id);
     EXPECT_LT(tracker.calibratedSensors().at(0).scale, 0.5);
-    EXPECT_LT(report.tracks[0].gate.azimuth_half_width, 1.5 * learnt);
+    EXPECT_LT(report.tracks[0].gate.half_width.x(), 1.5 * learnt);
   }
 }
 

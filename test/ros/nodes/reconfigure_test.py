@@ -8,6 +8,7 @@ import tempfile
 import threading
 import time
 import unittest
+import xmlrpc.client
 
 import dynamic_reconfigure.client
 import rosbag
@@ -92,7 +93,7 @@ class ReconfigureTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node('reconfigure_test')
         cls.inputs = Inputs()
-        cls.log = Heard('/rosout_agg', Log)
+        cls.log = Heard('/rosout', Log)
         cls.diagnostics = Heard('/diagnostics', DiagnosticArray)
         cls.associations = {form: Heard(form + '/associations', AssociationArray) for form in FORMS}
         cls.tracks = {form: Heard(form + '/tracks', TrackArray) for form in FORMS}
@@ -122,6 +123,14 @@ class ReconfigureTest(unittest.TestCase):
             return None
         track = heard.messages[-1].tracks[0]
         return track if track.status == Track.CONFIRMED else None
+
+    def topics_connected_to(self, node):
+        try:
+            node = xmlrpc.client.ServerProxy(rosgraph.Master('/reconfigure_test').lookupNode(node))
+            _, _, connections = node.getBusInfo('/reconfigure_test')
+        except (OSError, rosgraph.MasterException):
+            return []  # not there yet
+        return [connection[4] for connection in connections if connection[5]]
 
     def test_another_gate_holds_for_the_next_scans_of_the_same_track(self):
         for form in FORMS:
@@ -227,13 +236,12 @@ class ReconfigureTest(unittest.TestCase):
             file = os.path.join(folder, 'flight.bag')
             recorder = subprocess.Popen(['roslaunch', 'sightline', 'record.launch', 'file:=' + file])
             try:
-                master = rosgraph.Master('/reconfigure_test')
-                self.assertTrue(eventually(lambda: '/record' in dict(master.getSystemState()[1]).get(topic, [])))
+                self.assertTrue(eventually(lambda: topic in self.topics_connected_to('/record')))
                 client = self.client('/nodelet/local_tracker')
                 client.update_configuration({'lifecycle/delete_silence': 3.5})
                 time_of_change = rospy.Time.now()
                 self.assertTrue(self.is_logged('/nodelet/local_tracker', 'lifecycle/delete_silence changed in flight'))
-                time.sleep(1.0)  # rosbag record asks its subscribers' queues ten times a second
+                self.assertTrue(eventually(lambda: client.get_configuration(PATIENCE)['lifecycle/delete_silence'] == 3.5))
             finally:
                 recorder.send_signal(signal.SIGINT)
                 recorder.wait(PATIENCE)
