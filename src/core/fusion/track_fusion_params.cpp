@@ -52,6 +52,7 @@ std::optional<Refusal> whyNotInFlight(const TrackFusionParams& now, const TrackF
   const TrackletFusionParams &tracklets = wanted.tracklets, &tracklets_now = now.tracklets;
   if (wanted.registration_sigma != now.registration_sigma) return fixed("registration_sigma");
   if (wanted.process_noise != now.process_noise) return fixed("process_noise");
+  if (wanted.max_wait != now.max_wait) return fixed("max_wait");
   if (wanted.max_tracks != now.max_tracks) return fixed("max_tracks");
   if (reports.max_age != reports_now.max_age) return fixed("reports.max_age");
   if (reports.forget_after != reports_now.forget_after) return fixed("reports.forget_after");

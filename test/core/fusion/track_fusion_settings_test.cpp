@@ -64,6 +64,7 @@ TEST(TrackFusionSettings, OnlyWhatMayChangeInFlightIsTaken) {
   const std::vector<std::pair<std::string, Change>> fixed = {
       {"registration_sigma", [](auto& p) { p.registration_sigma = 1e-3; }},
       {"process_noise", [](auto& p) { p.process_noise = 1e-3; }},
+      {"max_wait", [](auto& p) { p.max_wait = 0.2; }},
       {"max_tracks", [](auto& p) { p.max_tracks = 5; }},
       {"reports.max_age", [](auto& p) { p.reports.max_age = 0.5; }},
       {"reports.forget_after", [](auto& p) { p.reports.forget_after = 20.0; }},
