@@ -25,9 +25,9 @@ const Floors kCoreFloors{{"model", 1},    {"estimators", 2},  {"ordering", 2}, {
                          {"imaging", 2},  {"association", 3}, {"sensors", 4},  {"evaluation", 4},
                          {"tracking", 5}, {"fusion", 5},      {"positions", 5}};
 
-const Floors kRosFloors{{"params", 1},  {"messages", 2},   {"diagnosis", 3},
-                        {"display", 3}, {"adapters", 4},   {"components", 4},
-                        {"outputs", 4}, {"recordings", 5}, {"nodes", 6}};
+const Floors kRosFloors{{"params", 1},     {"messages", 2},   {"diagnosis", 3}, {"display", 3},
+                        {"adapters", 4},   {"components", 4}, {"outputs", 4},   {"inspector", 4},
+                        {"recordings", 5}, {"nodes", 6}};
 
 std::vector<fs::path> filesOf(const std::string& layer) {
   std::vector<fs::path> files;

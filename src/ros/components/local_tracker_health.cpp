@@ -179,7 +179,9 @@ void LocalTrackerHealth::diagnose(core::Time now, std::size_t waiting,
     if (sensor.verdict != core::SensorVerdict::healthy)
       status.mergeSummary(DiagnosticStatus::WARN, sensor.sensor + " " + words);
     const std::string clock = clockTextOf(sensor);
-    if (!clock.empty()) status.mergeSummary(DiagnosticStatus::WARN, clock);
+    if (clock.empty()) continue;
+    status.add("clock of " + sensor.sensor, clock);
+    status.mergeSummary(DiagnosticStatus::WARN, clock);
   }
   addStarts(status);
   status.add("tracks confirmed", tracks_[sightline::Track::CONFIRMED]);

@@ -67,6 +67,7 @@ FlightRecorderParams loadFlightRecorderParams(const ParamReader& reader) {
 }
 
 bool isOfTracking(const ros::master::TopicInfo& topic) {
+  if (topic.datatype == "sightline/TrackSelection") return false;  // a replay would choose it again
   return topic.datatype.rfind("sightline/", 0) == 0 || topic.datatype == "tf2_msgs/TFMessage" ||
          topic.datatype == "dynamic_reconfigure/Config" || topic.name == "/diagnostics";
 }

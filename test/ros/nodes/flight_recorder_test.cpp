@@ -177,6 +177,7 @@ TEST(FlightRecorderParams, TopicsOfTracking) {
   EXPECT_TRUE(isOfTracking({"/tf", "tf2_msgs/TFMessage"}));
   EXPECT_TRUE(isOfTracking({"/diagnostics", "diagnostic_msgs/DiagnosticArray"}));
   EXPECT_TRUE(isOfTracking({"/local_tracker/parameter_updates", "dynamic_reconfigure/Config"}));
+  EXPECT_FALSE(isOfTracking({"/display/selection", "sightline/TrackSelection"}));
   EXPECT_FALSE(isOfTracking({"/display/all", "visualization_msgs/MarkerArray"}));
 }
 
