@@ -19,7 +19,8 @@ constexpr std::size_t kMostFullLabels = 3;                   // of more tracks o
 constexpr double kShortLabelDistance = 2.5 * core::kDegree;  // of a number alone, from the track
 constexpr double kLabelDistance = 18.0 * core::kDegree;      // from the rim of the ellipse
 constexpr double kViewTolerance = 1.0;                       // from the view's axis before it is turned [rad]
-constexpr double kClockStep = 1.0;   // backwards, from which a recording starts anew [s]
+constexpr double kClockStep = 1.0;  // backwards, from which a recording starts anew [s]
+constexpr double kLookedAtRadius = 3.0 * core::kDegree;
 constexpr double kMainShell = 0.99;  // in front of all else; share of the radius
 constexpr double kOutlineStep = 4.0 * core::kDegree;
 constexpr std::size_t kMaxSensors = 64;  // at once; of others nothing is kept
@@ -70,6 +71,30 @@ void DisplayScene::restartWhenBack(double now) {
     view_.reset();
   }
   newest_ = now;
+}
+
+bool DisplayScene::isLookedAt(const std::string& channel, std::uint32_t track) const {
+  return looked_at_ && looked_at_->track == track && looked_at_->channel == channel;
+}
+
+bool DisplayScene::isHidden(const std::string& channel, std::uint32_t track) const {
+  return looked_at_ && looked_at_->alone && !isLookedAt(channel, track);
+}
+
+bool DisplayScene::isHidden(const SightingMemory::Seen& sighting) const {
+  if (!looked_at_ || !looked_at_->alone) return false;
+  const sightline::Track* track = trackLookedAt();
+  return track == nullptr || !isNearGate(track->gate, sighting.direction);
+}
+
+/// nullptr when it is not there at present.
+const sightline::Track* DisplayScene::trackLookedAt() const {
+  const auto tracker = looked_at_ ? trackers_.find(looked_at_->channel) : trackers_.end();
+  if (tracker == trackers_.end()) return nullptr;
+  const auto& tracks = tracker->second.newest().tracks;
+  const auto track = std::find_if(tracks.begin(), tracks.end(),
+                                  [this](const auto& one) { return one.id == looked_at_->track; });
+  return track != tracks.end() ? &*track : nullptr;
 }
 
 bool DisplayScene::isPresent(const TrackMemory& memory, double now) const {
@@ -124,6 +149,7 @@ Colour DisplayScene::colourOf(const std::string& sensor, const SightingMemory::S
 void DisplayScene::drawSightings(MarkerArray& array, const std::string& sensor, double now) const {
   Marker dots = dotSheet(params_.canvas, "sightings", 0.8 * core::kDegree);
   for (const SightingMemory::Seen& seen : sensors_.at(sensor).seen()) {
+    if (isHidden(seen)) continue;
     drawDot(dots, params_.canvas, seen.direction, colourOf(sensor, seen, now));
   }
   array.markers.push_back(finished(std::move(dots)));
@@ -136,6 +162,7 @@ void DisplayScene::drawLocalTracks(MarkerArray& array, const std::string& channe
   Marker ellipses = lineSheet(params_.canvas, "2-sigma ellipses", 0.2 * core::kDegree);
   Marker sources = lineSheet(params_.canvas, "sources", 0.1 * core::kDegree);
   for (const sightline::Track& track : tracker.newest().tracks) {
+    if (isHidden(channel, track.id)) continue;
     const core::AngularState state = toCore(track).state;
     drawDot(dots, params_.canvas, core::directionOf(state.angles()),
             withAlpha(colour, isEstablished(track) ? 1.0 : 0.4));
@@ -144,10 +171,23 @@ void DisplayScene::drawLocalTracks(MarkerArray& array, const std::string& channe
     if (track.sources.size() > 1) drawSources(sources, track, now);
   }
   for (Marker* sheet : {&dots, &ellipses, &sources}) array.markers.push_back(finished(std::move(*sheet)));
-  drawGates(array, tracker);
+  drawGates(array, channel);
+  drawLookedAt(array, channel);
 }
 
-void DisplayScene::drawGates(MarkerArray& array, const TrackMemory& tracker) const {
+/// A circle round the track that a person looks at.
+void DisplayScene::drawLookedAt(MarkerArray& array, const std::string& channel) const {
+  Marker circle = lineSheet(params_.canvas, "selected", 0.25 * core::kDegree);
+  const sightline::Track* track = looked_at_ && looked_at_->channel == channel ? trackLookedAt() : nullptr;
+  if (track != nullptr) {
+    drawLine(circle, params_.canvas, circleOutline({track->azimuth, track->elevation}, kLookedAtRadius),
+             mainColour());
+  }
+  array.markers.push_back(finished(std::move(circle)));
+}
+
+void DisplayScene::drawGates(MarkerArray& array, const std::string& channel) const {
+  const TrackMemory& tracker = trackers_.at(channel);
   static const std::array<std::pair<GateOutcome, const char*>, 4> kOutcomes = {
       {{GateOutcome::accepted, "gates: accepted (green)"},
        {GateOutcome::nothing_seen, "gates: nothing seen (grey)"},
@@ -158,6 +198,7 @@ void DisplayScene::drawGates(MarkerArray& array, const TrackMemory& tracker) con
     Marker rims = lineSheet(params_.canvas, name, 0.1 * core::kDegree);
     rims.id = 1;
     for (const sightline::Track& track : tracker.newest().tracks) {
+      if (isHidden(channel, track.id)) continue;
       if (outcomeOf(track, tracker.wasClaimed(track.id)) != outcome) continue;
       const auto rectangle = rectangleOf(track.gate);
       if (!rectangle) continue;
@@ -181,6 +222,7 @@ void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
   Marker predictions = lineSheet(canvas, "predictions", 0.15 * core::kDegree);
   Marker sources = lineSheet(canvas, "sources", 0.2 * core::kDegree);
   for (const sightline::Track& track : tracker.newest().tracks) {
+    if (isHidden(kMainChannel, track.id)) continue;
     const core::AngularState state = toCore(track).state;
     const Colour colour = dimmed(mainColour(), track.status == sightline::Track::CONFIRMED ? 1.0 : 0.5);
     drawDot(dots, canvas, core::directionOf(state.angles()), colour);
@@ -194,7 +236,8 @@ void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
   for (Marker* sheet : {&dots, &ellipses, &trails, &predictions, &sources}) {
     array.markers.push_back(finished(std::move(*sheet)));
   }
-  drawGates(array, tracker);
+  drawGates(array, kMainChannel);
+  drawLookedAt(array, kMainChannel);
 }
 
 /// In a crowd the number has to do, close by.
@@ -290,78 +333,10 @@ std::optional<Eigen::Vector3d> DisplayScene::attention() const {
 const sightline::Track* DisplayScene::leadingTrack() const {
   const auto main = trackers_.find(kMainChannel);
   if (main == trackers_.end()) return nullptr;
+  if (looked_at_ && looked_at_->channel == kMainChannel && trackLookedAt() != nullptr) return trackLookedAt();
   const auto& tracks = main->second.newest().tracks;
   const auto track = std::find_if(tracks.begin(), tracks.end(), isEstablished);
   return track != tracks.end() ? &*track : nullptr;
-}
-
-void DisplayScene::drawMagnified(MarkerArray& array, double now) {
-  Marker rim = lineSheet(params_.canvas, "rim", 0.15 * core::kDegree);
-  Marker dots = dotSheet(params_.canvas, "sightings and tracks", 0.7 * core::kDegree);
-  Marker lines = lineSheet(params_.canvas, "2-sigma ellipses and truth", 0.2 * core::kDegree);
-  const sightline::Track* track = leadingTrack();
-  const double two_sigma = track ? 2.0 * sigmaOf(*track) : 0.0;
-  if (track && Magnifier::isNeededFor(two_sigma)) {
-    magnification_ = Magnifier::factorFor(two_sigma, magnification_);
-    const core::AngularState state = toCore(*track).state;
-    const Magnifier magnifier(state.angles(), sideOf(state, view()), magnification_);
-    magnifier.drawRim(rim, params_.canvas, dimmed(mainColour(), 0.7));
-    array.markers.push_back(magnifier.label(params_.canvas, mainColour()));
-    magnifySightings(dots, magnifier, track->id, now);
-    magnifyTracks(lines, magnifier, *track);
-  } else {
-    magnification_ = 0.0;
-  }
-  for (Marker* sheet : {&rim, &dots, &lines}) array.markers.push_back(finished(std::move(*sheet)));
-}
-
-void DisplayScene::magnifySightings(Marker& dots, const Magnifier& magnifier, std::uint32_t track,
-                                    double now) const {
-  const TrackMemory& main = trackers_.at(kMainChannel);
-  for (const auto& [sensor, memory] : sensors_) {
-    for (const SightingMemory::Seen& seen : memory.seen()) {
-      const auto then = main.anglesAt(track, seen.time);
-      if (!then) continue;
-      const Eigen::Vector2d place = magnifier.place(seen.direction, *then);
-      if (!magnifier.shows(place)) continue;
-      drawDot(dots, params_.canvas, core::directionOf(place), colourOf(sensor, seen, now));
-    }
-  }
-}
-
-void DisplayScene::magnifyTracks(Marker& lines, const Magnifier& magnifier,
-                                 const sightline::Track& main) const {
-  const auto drawEllipse = [&](const sightline::Track& track, const Eigen::Vector2d& place,
-                               const Colour& colour) {
-    const core::AngularState state = toCore(track).state;
-    magnifier.drawEllipse(lines, params_.canvas, place,
-                          magnifier.magnified(state.angles(), state.anglesCovariance()), colour);
-  };
-  drawEllipse(main, magnifier.centre(), mainColour());
-  for (const auto& [channel, tracker] : trackers_) {
-    if (channel == kMainChannel) continue;
-    for (const sightline::Track& local : tracker.newest().tracks) {
-      const auto place = placeBeside(main.id, tracker, local.id, magnifier);
-      if (place && isEstablished(local)) drawEllipse(local, *place, dimmed(colours_.of(channel), 0.8));
-    }
-  }
-  for (const sightline::Track& target : truth_.newest().tracks) {
-    const auto place = placeBeside(main.id, truth_, target.id, magnifier);
-    if (place) drawCross(lines, params_.canvas, *place, 1.5 * core::kDegree, truthColour());
-  }
-}
-
-std::optional<Eigen::Vector2d> DisplayScene::placeBeside(std::uint32_t main_track, const TrackMemory& tracker,
-                                                         std::uint32_t track,
-                                                         const Magnifier& magnifier) const {
-  const TrackMemory& main = trackers_.at(kMainChannel);
-  const core::Time common = toCore(std::min(main.newest().header.stamp, tracker.newest().header.stamp));
-  const auto main_angles = main.anglesAt(main_track, common);
-  const auto angles = tracker.anglesAt(track, common);
-  if (!main_angles || !angles) return std::nullopt;
-  const Eigen::Vector2d place = magnifier.place(core::directionOf(*angles), *main_angles);
-  if (!magnifier.shows(place)) return std::nullopt;
-  return place;
 }
 
 }  // namespace sightline_ros

@@ -13,7 +13,7 @@ namespace {
 
 namespace core = sightline::core;
 
-constexpr double kClockStep = 1.0;  // backwards, from which a recording begins again [s]
+constexpr double kBeginsAgain = 1.0;  // backwards, from which a recording begins again [s]
 constexpr double kDimension = 2.0;  // of an innovation
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
@@ -50,7 +50,7 @@ SupportRow supportOf(const sightline::SourceTrack& source) {
 /// Whether what comes now is taken in.
 bool InspectorModel::begin(core::Time now) {
   if (is_frozen_) return false;
-  if (core::seconds(now_ - now) > kClockStep) {
+  if (core::seconds(now_ - now) > kBeginsAgain) {
     topics_.clear();
     reports_.clear();
     log_.clear();
@@ -81,7 +81,7 @@ InspectorModel::Topic* InspectorModel::renew(const std::string& name, const Mess
   }
   Topic& topic = topics_[name];
   const core::Time stamp = toCore(tracks.header.stamp);
-  if (core::seconds(topic.stamp - stamp) > kClockStep) topic.memos.clear();
+  if (core::seconds(topic.stamp - stamp) > kBeginsAgain) topic.memos.clear();
   topic.arrival = now;
   topic.stamp = stamp;
   topic.tracker = tracks.tracker;

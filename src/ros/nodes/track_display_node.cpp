@@ -9,6 +9,7 @@
 #include <diagnostic_msgs/DiagnosticStatus.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/ros.h>
+#include <sightline/TrackSelection.h>
 
 #include "sightline/core/model/sphere.h"
 #include "sightline/ros/messages/clock.h"
@@ -75,6 +76,7 @@ TrackDisplayParams loadTrackDisplayParams(const ParamReader& reader) {
   params.sighting_topics = reader.texts("sighting_topics", params.sighting_topics);
   params.track_topics = reader.texts("track_topics", params.track_topics);
   params.association_topics = reader.texts("association_topics", params.association_topics);
+  params.selection_topic = reader.text("selection_topic", params.selection_topic);
   params.view_frame = reader.text("view_frame", params.view_frame);
   params.scenario = reader.text("scenario", params.scenario);
   params.fields_of_view = loadFieldsOfView(reader);
@@ -184,9 +186,20 @@ void TrackDisplayNode::subscribe() {
           scene_.addAssociations(channel, *decisions);
         });
   }
+  listen<sightline::TrackSelection>(
+      params_.selection_topic, [this](const sightline::TrackSelection::ConstPtr& choice) {
+        std::optional<LookedAt> track;
+        if (choice->track > 0)
+          track = LookedAt{channelShowing(choice->topic), choice->track, choice->alone != 0};
+        scene_.lookAt(track);
+      });
   listen<sightline::TrackArray>(params_.truth_topic, [this](const sightline::TrackArray::ConstPtr& truth) {
     if (isInTrackingFrame(truth->header, "truth")) scene_.addTruth(*truth, ros::Time::now().toSec());
   });
+}
+
+std::string TrackDisplayNode::channelShowing(const std::string& track_topic) const {
+  return track_topic == params_.main_topic ? DisplayScene::kMainChannel : channelOf(track_topic);
 }
 
 void TrackDisplayNode::listenToTracks(const std::string& topic, const std::string& channel) {

@@ -78,6 +78,36 @@ class Scene : public testing::Test {
   DisplayScene scene{params, SensorColours({"left", "right"})};
 };
 
+TEST_F(Scene, TheTrackLookedAtHasACircle) {
+  scene.addTracks(DisplayScene::kMainChannel, report(1.0, {track(1, 0.0, 0.0), track(2, 1.0, 0.0)}), 1.0);
+  EXPECT_EQ(find(scene.draw(1.0), DisplayScene::kMainChannel, "selected"), nullptr);
+  scene.lookAt(sightline_ros::LookedAt{DisplayScene::kMainChannel, 2, false});
+  const Sheets sheets = scene.draw(1.0);
+  const Marker* circle = find(sheets, DisplayScene::kMainChannel, "selected");
+  ASSERT_NE(circle, nullptr);
+  EXPECT_NEAR(std::atan2(circle->points[0].y, circle->points[0].x), 1.0, 0.06) << "round the second track";
+  EXPECT_EQ(find(sheets, DisplayScene::kMainChannel, "tracks")->points.size(), 2u) << "with the others";
+}
+
+TEST_F(Scene, AloneATrackIsDrawnWithTheSightingsNearItsGateOnly) {
+  const auto drawAll = [this] {
+    scene.addTracks(DisplayScene::kMainChannel, report(1.0, {track(1, 0.0, 0.0), track(2, 1.0, 0.0)}), 1.0);
+    scene.addTracks("left", report(1.0, {track(1, 0.0, 0.0)}), 1.0);
+    scene.addScan(scanAt("left", 1.0, 0.02, 0.0), 1.0);
+    scene.addScan(scanAt("left", 1.0, 1.02, 0.0), 1.0);
+    return scene.draw(1.0);
+  };
+  scene.lookAt(sightline_ros::LookedAt{DisplayScene::kMainChannel, 2, true});
+  const Sheets sheets = drawAll();
+  EXPECT_EQ(find(sheets, DisplayScene::kMainChannel, "tracks")->points.size(), 1u);
+  EXPECT_EQ(find(sheets, "left", "tracks"), nullptr)
+      << "a track of another tracker, of another number or the same";
+  ASSERT_NE(find(sheets, "left", "sightings"), nullptr);
+  EXPECT_EQ(find(sheets, "left", "sightings")->points.size(), 1u);
+  scene.lookAt(std::nullopt);
+  EXPECT_EQ(find(drawAll(), DisplayScene::kMainChannel, "tracks")->points.size(), 2u);
+}
+
 TEST_F(Scene, EachSensorHasItsChannelAndItsColour) {
   scene.addScan(scanAt("left", 1.0, 0.1, 0.2), 1.0);
   scene.addScan(scanAt("right", 1.0, 0.3, 0.2), 1.0);

@@ -27,6 +27,13 @@ struct DisplayParams {
   double silence = 1.5;        ///< after which the things of a silent topic vanish [s]
 };
 
+/// The track that a person looks at.
+struct LookedAt {
+  std::string channel;  ///< name of its tracker, or DisplayScene::kMainChannel
+  std::uint32_t track = 0;
+  bool alone = false;  ///< nothing is drawn but this track, and the sightings near its gate
+};
+
 /// Messages in, markers out. Things are drawn in channels, one for each sensor or tracker by name, so that
 /// each can be switched off; the main track and the truth have theirs. `now` is the time of receipt [s],
 /// never going back by more than 1 s but when a recording starts anew: then all is forgotten.
@@ -46,6 +53,8 @@ class DisplayScene {
 
   void addTruth(const sightline::TrackArray& truth, double now);
 
+  void lookAt(const std::optional<LookedAt>& track) { looked_at_ = track; }
+
   /// Markers by channel. A channel that got empty since the last call is there once more, to delete its
   /// markers.
   std::map<std::string, MarkerArray> draw(double now);
@@ -58,6 +67,10 @@ class DisplayScene {
  private:
   using Sheets = std::map<std::string, MarkerArray>;
 
+  bool isLookedAt(const std::string& channel, std::uint32_t track) const;
+  bool isHidden(const std::string& channel, std::uint32_t track) const;
+  bool isHidden(const SightingMemory::Seen& sighting) const;
+  const sightline::Track* trackLookedAt() const;
   bool isPresent(const TrackMemory& memory, double now) const;
   void restartWhenBack(double now);
   void aimView();
@@ -66,7 +79,8 @@ class DisplayScene {
 
   void drawSightings(MarkerArray& array, const std::string& sensor, double now) const;
   void drawLocalTracks(MarkerArray& array, const std::string& channel, double now) const;
-  void drawGates(MarkerArray& array, const TrackMemory& tracker) const;
+  void drawGates(MarkerArray& array, const std::string& channel) const;
+  void drawLookedAt(MarkerArray& array, const std::string& channel) const;
   void drawMainTracks(MarkerArray& array, double now) const;
   void drawSources(Marker& lines, const sightline::Track& track, double now) const;
   void drawTruth(MarkerArray& array) const;
@@ -93,6 +107,7 @@ class DisplayScene {
   std::map<std::string, SightingMemory> sensors_;
   std::map<std::string, TrackMemory> trackers_;
   TrackMemory truth_;
+  std::optional<LookedAt> looked_at_;
   double newest_ = 0.0;                  // the latest `now` [s]
   std::optional<Eigen::Vector2d> view_;  // (azimuth, elevation) [rad]
   double magnification_ = 0.0;           // 0 = none at present

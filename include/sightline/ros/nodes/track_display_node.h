@@ -36,6 +36,7 @@ struct TrackDisplayParams {
   std::vector<std::string> sighting_topics;
   std::vector<std::string> track_topics;
   std::vector<std::string> association_topics;
+  std::string selection_topic = "/display/selection";  ///< TrackSelection; empty = none
   std::string scenario = "/scenario";  ///< parameters in which simulated sensors stand; need not be there
   std::vector<FieldOfView> fields_of_view;  ///< of other sensors
   std::string view_frame = "display_view";  ///< empty = none
@@ -69,6 +70,7 @@ class TrackDisplayNode {
 
  private:
   void subscribe();
+  std::string channelShowing(const std::string& track_topic) const;
   void listenToTracks(const std::string& topic, const std::string& channel);
   template <typename Message, typename Callback>
   void listen(const std::string& topic, Callback callback);
