@@ -34,6 +34,12 @@ ModeArray ModeChain::predicted(double h) const {  // (S-25)
   return (1.0 - drawn) * probabilities_ + drawn * attraction_;
 }
 
+ModeChain ModeChain::after(double h) const {
+  ModeChain later = *this;
+  later.probabilities_ = predicted(h);
+  return later;
+}
+
 ModeArray ModeChain::ownShares(double h) const {  // (S-26)
   return (1.0 - drawnProbability(h)) * probabilities_ / predicted(h);
 }

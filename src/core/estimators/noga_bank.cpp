@@ -138,6 +138,13 @@ Eigen::Vector2d ResponseBank::noise(const ModeArray& weights) const {
   return {sum[0].sum(), sum[1].sum()};
 }
 
+ModeArray ResponseBank::noiseOf(int channel) const {
+  ModeArray noise(models_);
+  for (int model = 0; model < models_; ++model)
+    noise(model) = blocks_[static_cast<std::size_t>(model / kLanes)].channel[channel].noise(model % kLanes);
+  return noise;
+}
+
 void ResponseBank::interact(const ModeArray& own, const ResponseBelief& all, bool is_coupled) {  // (S-6)
   for (int b = 0; b < blocks(); ++b) {
     Block& block = blocks_[static_cast<std::size_t>(b)];

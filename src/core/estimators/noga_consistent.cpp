@@ -41,7 +41,7 @@ ModeArray attractions(const NogaConsistentParams& params) {
 }
 
 /// A bank given at an amplitude does not scale with the noise, so that the noise is taken as stated.
-NoiseLearningParams noiseLearning(const NogaConsistentParams& params) {
+NoiseLearningParams learningOf(const NogaConsistentParams& params) {
   NoiseLearningParams learning = params.noise;
   if (params.amplitude > 0.0) learning.enabled = false;
   return learning;
@@ -67,20 +67,27 @@ NogaConsistentEstimator::NogaConsistentEstimator(const NogaConsistentParams& par
       chain_(attractions(params), params.dwell),
       bank_(modes()),
       rate_(params.initial_rate_sigma),
-      noise_learning_(noiseLearning(params)) {}
+      noise_learning_(learningOf(params)) {}
 
 std::unique_ptr<Estimator> NogaConsistentEstimator::clone() const {
   return std::unique_ptr<Estimator>(new NogaConsistentEstimator(*this));
 }
 
-void NogaConsistentEstimator::update(const Measurement& measurement) {
+std::optional<BankStep> NogaConsistentEstimator::updateWithStep(const Measurement& measurement) {
+  std::optional<BankStep> step;
+  take(measurement, &step);
+  return step;
+}
+
+/// `step`: where to keep the step to this sighting, null = nowhere.
+void NogaConsistentEstimator::take(const Measurement& measurement, std::optional<BankStep>* step) {
   const Eigen::Matrix2d& R = measurement.covariance;
   const bool couples = std::abs(R(0, 1)) > kCoupling * std::sqrt(R(0, 0) * R(1, 1));
   if (couples && !is_coupled_) ahead_.forget();
   is_coupled_ = is_coupled_ || couples;
   const double h = time_ ? seconds(measurement.time - *time_) : 0.0;
   const double units = h / revisit_.unit(h);
-  if (time_ && units <= kLongestStep) {
+  if (time_ && !startsAnewAt(measurement.time)) {
     is_second_look_ = rate_.isOpen();
     if (!revisit_.isKnown()) {
       const ResponseBelief first = bank_.belief(0);
@@ -90,6 +97,7 @@ void NogaConsistentEstimator::update(const Measurement& measurement) {
       setUnknown(h);
       ahead_.forget();
     }
+    if (step) *step = BankStep{bank_, chain_, noise_learning_, amplitude(), h, revisit_.unit(h), is_coupled_};
     noise_learning_.next(units);
     bank_ = expected(h);  // 4.3 (i), (ii)
     if (measurement.is_certain) sighting_noise_.add(R, measurement.sightings);
@@ -105,6 +113,12 @@ void NogaConsistentEstimator::update(const Measurement& measurement) {
   }
   time_ = measurement.time;
   ahead_.forget();
+}
+
+bool NogaConsistentEstimator::startsAnewAt(Time time) const {
+  if (!time_) return false;
+  const double h = seconds(time - *time_);
+  return !(h / revisit_.unit(h) <= kLongestStep);
 }
 
 BankAmplitude NogaConsistentEstimator::amplitude() const {

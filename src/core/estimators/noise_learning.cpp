@@ -20,9 +20,13 @@ void NoiseLearning::enable(bool enabled) {
   weight_ = kOneSighting * params_.trust;
 }
 
-void NoiseLearning::next(double h) {  // (S-11)
+void NoiseLearning::fade(double h) {  // (S-11)
   const double least = kOneSighting * params_.trust;
-  weight_ = least + (weight_ - least) * std::exp(-h / params_.memory);
+  weight_ = least + (weight_ - least) * faded(h);
+}
+
+void NoiseLearning::next(double h) {  // (S-11)
+  fade(h);
   if (sightings_ >= kSightingsOfTheRate) weight_ += kOneSighting;
   if (sightings_ < kSightingsOfTheRate) ++sightings_;
 }

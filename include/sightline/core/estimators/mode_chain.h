@@ -31,6 +31,9 @@ class ModeChain {
   /// The probabilities `h` seconds later.
   ModeArray predicted(double h) const;
 
+  /// The chain `h` seconds later, when nothing has been seen by then.
+  ModeChain after(double h) const;
+
   /// Where a mode that is in force `h` seconds later comes from, by Bayes' rule: with this probability from
   /// itself, because none was drawn; for the rest from any, as they are probable now. Interaction is then a
   /// mixture of a model's own belief with that of all, which needs to be made only once.

@@ -47,6 +47,9 @@ class ResponseBank {
   /// The mean of what they believe of the noise.
   Eigen::Vector2d noise(const ModeArray& weights) const;
 
+  /// What each believes of it in a channel; one number for each model.
+  ModeArray noiseOf(int channel) const;
+
   /// Each belief becomes a mixture (S-6): its own by its share in `own`, for the rest `all`.
   void interact(const ModeArray& own, const ResponseBelief& all, bool is_coupled);
 

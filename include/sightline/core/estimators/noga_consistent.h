@@ -5,6 +5,7 @@
 #include <tuple>
 #include <vector>
 
+#include "sightline/core/estimators/bank_step.h"
 #include "sightline/core/estimators/estimator.h"
 #include "sightline/core/estimators/mode_chain.h"
 #include "sightline/core/estimators/noga_bank.h"
@@ -57,15 +58,35 @@ class NogaConsistentEstimator final : public Estimator {
  public:
   /// Throws std::invalid_argument for a parameter out of range.
   explicit NogaConsistentEstimator(const NogaConsistentParams& params);
+  NogaConsistentEstimator(const NogaConsistentEstimator&) = default;
 
   std::unique_ptr<Estimator> clone() const override;
-  void update(const Measurement& measurement) override;
+  void update(const Measurement& measurement) override { take(measurement, nullptr); }
   std::optional<AngularState> stateAt(Time time) const override;
   std::vector<Hypothesis> hypothesesAt(Time time) const override;
   bool knowsRates() const override { return !rate_.isOpen(); }
   Eigen::Vector2d noiseScale() const override;
   void learnNoise(bool enabled) override;
   void rotate(const Eigen::Matrix3d& R_new_old) override;
+
+  /// The same as `update`. Returns the step to this sighting, with which a smoother comes back; nullopt when
+  /// the sighting is the first, or comes so late that the estimator starts anew.
+  std::optional<BankStep> updateWithStep(const Measurement& measurement);
+
+  /// Whether a sighting at `time` comes so late after the last one that the estimator would start anew.
+  bool startsAnewAt(Time time) const;
+
+  /// What each model believes of the target at the last sighting.
+  const ResponseBank& bank() const { return bank_; }
+
+  /// How far the noise has been learnt by then.
+  const NoiseLearning& noiseLearning() const { return noise_learning_; }
+
+  /// Whether covariances of azimuth with elevation are kept.
+  bool isCoupled() const { return is_coupled_; }
+
+  /// Which model is in force then.
+  const ModeChain& chain() const { return chain_; }
 
   /// Probability of each model by the sightings so far.
   const ModeArray& probabilities() const { return chain_.probabilities(); }
@@ -95,9 +116,9 @@ class NogaConsistentEstimator final : public Estimator {
     std::unique_ptr<ResponseBank> bank_;
   };
 
-  NogaConsistentEstimator(const NogaConsistentEstimator&) = default;
   int modes() const { return static_cast<int>(params_.models.size()); }
   BankAmplitude amplitude() const;
+  void take(const Measurement& measurement, std::optional<BankStep>* step);
   void start(const Measurement& measurement);
   void setUnknown(double h);
   const ResponseBank& expected(double h) const;

@@ -35,8 +35,26 @@ class NoiseLearning {
   /// Whether it learns from now on. It begins anew; the scales are their owner's.
   void enable(bool enabled);
 
+  /// `h` seconds go by: what has been learnt counts less.
+  void fade(double h);
+
   /// A sighting comes `h` seconds after the last one. The first few tell of the rate alone.
   void next(double h);
+
+  /// What has been learnt counts for twice so many innovations of one channel.
+  double weight() const { return weight_; }
+
+  /// What the last innovation added to the sum of which scale times weight is the result, given the scale
+  /// before and after: half the squared innovation over what it would be at a scale of one.
+  double evidence(double before, double after) const {
+    return std::max(weight_ * after - (weight_ - kOneSighting) * before, 0.0);
+  }
+
+  /// The weight of one innovation, as `weight` counts it.
+  static constexpr double weightOfOne() { return kOneSighting; }
+
+  /// The share that is left of a weight after `h` seconds.
+  double faded(double h) const { return std::exp(-h / params_.memory); }
 
   /// Log density of one channel's innovation, given its square over S and log S: Student's t, or the normal
   /// one where nothing is learnt. `Number`: double, or an array of them, of one model each.

@@ -1,0 +1,388 @@
+#include "sightline/core/smoothing/bank_smoothing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include <Eigen/Cholesky>
+
+#include "sightline/core/model/kinematics.h"
+
+namespace sightline::core {
+namespace {
+
+constexpr double kLeastWeight = 1e-5;  // of a model that is still followed back
+constexpr double kLeastDrawn = 1e-3;   // probability of having been drawn that is looked into
+constexpr double kNever = -1e300;      // logarithm of the evidence for what cannot be
+
+/// Mean and covariance of a channel's state, or of both one after the other.
+template <int N>
+struct Normal {
+  Eigen::Matrix<double, N, 1> mean;
+  Eigen::Matrix<double, N, N> covariance;
+};
+
+/// What later sightings say of such a state x: log density -1/2 d^T Y d + y^T d + const of d = x - origin.
+template <int N>
+struct Later {
+  Eigen::Matrix<double, N, 1> origin, y;
+  Eigen::Matrix<double, N, N> Y;
+};
+
+/// A linearised step of such a state.
+template <int N>
+struct Step {
+  Eigen::Matrix<double, N, 1> mean;  // after
+  Eigen::Matrix<double, N, N> F, Q;
+};
+
+/// A state's covariance before a step times F^T, and its covariance after.
+template <int N>
+struct Predicted {
+  Eigen::Matrix<double, N, N> FP, covariance;
+};
+
+template <int N>
+Predicted<N> predictedBy(const Step<N>& step, const Eigen::Matrix<double, N, N>& P) {
+  Predicted<N> predicted;
+  predicted.FP = step.F * P;
+  predicted.covariance = predicted.FP * step.F.transpose() + step.Q;
+  return predicted;
+}
+
+/// What is known at the end of a step by later sightings alone: the quotient of what is known by all and of
+/// what was predicted. Returns whether there is such a thing.
+template <int N>
+bool findLater(const Step<N>& step, const Eigen::Matrix<double, N, N>& P, const Normal<N>& smoothed,
+               Later<N>& later) {  // (S-144)
+  using Matrix = Eigen::Matrix<double, N, N>;
+  const Eigen::LLT<Matrix> predicted(predictedBy(step, P).covariance), known(smoothed.covariance);
+  if (predicted.info() != Eigen::Success || known.info() != Eigen::Success) return false;
+  const Matrix information = known.solve(Matrix::Identity());
+  later.origin = step.mean;
+  later.y = information * (smoothed.mean - step.mean);
+  later.Y = information - predicted.solve(Matrix::Identity());
+  return true;
+}
+
+/// The state before a step, given what later sightings say of the state after. Returns the logarithm of the
+/// evidence, the density of those sightings but for a factor; kNever where the numbers do not allow it.
+/// The covariance in a form that stays positive: P - G (P+ - P_s) G^T written as
+/// (I - G F) P (I - G F)^T + G (P_s + Q) G^T.
+template <int N>
+double comeBack(Normal<N>& state, const Step<N>& step, const Later<N>& later, bool want_state) {  // (S-143)
+  using Matrix = Eigen::Matrix<double, N, N>;
+  using Vector = Eigen::Matrix<double, N, 1>;
+  const Predicted<N> after = predictedBy(step, state.covariance);
+  const Eigen::LLT<Matrix> predicted(after.covariance);
+  if (predicted.info() != Eigen::Success) return kNever;
+  const Eigen::LLT<Matrix> both(predicted.solve(Matrix::Identity()) + later.Y);
+  if (both.info() != Eigen::Success) return kNever;
+  const Vector offset = step.mean - later.origin;
+  const Vector pull = later.y - later.Y * offset;  // gradient at the predicted mean
+  const Vector shift = both.solve(pull);
+  double log_roots = 0.0;
+  for (int i = 0; i < N; ++i)
+    log_roots += std::log(predicted.matrixLLT()(i, i) * both.matrixLLT()(i, i));
+  const double evidence = 0.5 * pull.dot(shift) + offset.dot(later.y - 0.5 * later.Y * offset) - log_roots;
+  if (!want_state) return evidence;
+  const Matrix G = predicted.solve(after.FP).transpose();
+  state.mean += G * shift;
+  const Matrix kept = Matrix::Identity() - G * step.F;
+  const Matrix from_later = G * (both.solve(Matrix::Identity()) + step.Q) * G.transpose();
+  state.covariance = symmetric(kept * state.covariance * kept.transpose() + from_later);
+  return evidence;
+}
+
+/// The covariances of a belief for other sizes of its errors: each channel's angles `growth` times as large;
+/// kappa is no angle.
+void scaleErrors(ResponseBelief& belief, const Eigen::Vector2d& growth, bool is_coupled) {
+  Eigen::Vector4d scale[2];
+  for (int c = 0; c < 2; ++c) {
+    scale[c] << growth(c), growth(c), growth(c), 1.0;
+    belief.covariance[c].array() *= (scale[c] * scale[c].transpose()).array();
+  }
+  if (is_coupled) belief.cross.array() *= (scale[0] * scale[1].transpose()).array();
+}
+
+/// Goes over from seconds to units of time of `unit` seconds.
+void scaleTime(ResponseBelief& belief, double unit, bool is_coupled) {
+  if (unit == 1.0) return;
+  const Eigen::Vector4d scale(1.0, unit, unit * unit, unit * unit);
+  const Eigen::Matrix4d both = scale * scale.transpose();
+  for (int c = 0; c < 2; ++c) {
+    belief.mean[c].array() *= scale.array();
+    belief.covariance[c].array() *= both.array();
+  }
+  if (is_coupled) belief.cross.array() *= both.array();
+}
+
+/// Mean and covariance of a mixture of two: `share` of `own`, for the rest `other` (S-6).
+ResponseBelief mixtureOf(double share, const ResponseBelief& own, const ResponseBelief& other,
+                         bool is_coupled) {
+  if (share >= 1.0) return own;
+  const double rest = 1.0 - share;
+  ResponseBelief mixed;
+  Eigen::Vector4d offset[2];
+  for (int c = 0; c < 2; ++c) {
+    offset[c] = own.mean[c] - other.mean[c];
+    mixed.mean[c] = other.mean[c] + share * offset[c];
+    mixed.covariance[c] = share * own.covariance[c] + rest * other.covariance[c];
+    mixed.covariance[c].noalias() += share * rest * offset[c] * offset[c].transpose();
+  }
+  if (is_coupled) {
+    mixed.cross = share * own.cross + rest * other.cross;
+    mixed.cross.noalias() += share * rest * offset[0] * offset[1].transpose();
+  }
+  mixed.noise = share * own.noise + rest * other.noise;
+  return mixed;
+}
+
+/// Both channels' states, one after the other.
+Normal<8> bothOf(const ResponseBelief& belief) {
+  Normal<8> both;
+  both.mean << belief.mean[0], belief.mean[1];
+  both.covariance << belief.covariance[0], belief.cross, belief.cross.transpose(), belief.covariance[1];
+  return both;
+}
+
+/// What later sightings say to one model at the end of a step, apart for each channel or together, and the way
+/// back from there.
+class WayBack {
+ public:
+  WayBack(const ResponseModel& model, const BankStep& step) : model_(&model), step_(&step) {}
+
+  /// `before`: what the model believed at the beginning, after the models had interacted; `smoothed`: what it
+  /// believes at the end, by all sightings. Returns whether there is a way back.
+  bool find(ResponseBelief before, ResponseBelief smoothed) {
+    scaleErrors(smoothed, before.noise.cwiseQuotient(smoothed.noise).cwiseSqrt(), step_->is_coupled);
+    scaleTime(smoothed, step_->unit, step_->is_coupled);
+    scaleTime(before, step_->unit, step_->is_coupled);
+    if (step_->is_coupled)
+      return findLater(bothSteps(before), bothOf(before).covariance, bothOf(smoothed), both_);
+    for (int c = 0; c < 2; ++c) {
+      if (!findLater(stepOf(before, c), before.covariance[c],
+                     Normal<4>{smoothed.mean[c], smoothed.covariance[c]}, one_[c]))
+        return false;
+    }
+    return true;
+  }
+
+  /// A belief at the beginning, given that and the model. Returns the logarithm of the evidence.
+  double take(ResponseBelief& belief, bool want_belief = true) const {
+    scaleTime(belief, step_->unit, step_->is_coupled);
+    double evidence = 0.0;
+    if (step_->is_coupled) {
+      Normal<8> both = bothOf(belief);
+      evidence = comeBack(both, bothSteps(belief), both_, want_belief);
+      for (int c = 0; c < 2; ++c) {
+        belief.mean[c] = both.mean.segment<4>(4 * c);
+        belief.covariance[c] = both.covariance.block<4, 4>(4 * c, 4 * c);
+      }
+      belief.cross = both.covariance.topRightCorner<4, 4>();
+    } else {
+      for (int c = 0; c < 2; ++c) {
+        Normal<4> one{belief.mean[c], belief.covariance[c]};
+        evidence += comeBack(one, stepOf(belief, c), one_[c], want_belief);
+        belief.mean[c] = one.mean;
+        belief.covariance[c] = one.covariance;
+      }
+    }
+    scaleTime(belief, 1.0 / step_->unit, step_->is_coupled);
+    return evidence;
+  }
+
+ private:
+  /// In units of time.
+  Step<4> stepOf(const ResponseBelief& belief, int c) const {
+    const double noise = step_->amplitude.follows_noise ? belief.noise(c) : 1.0;
+    const Eigen::Vector4d& mean = belief.mean[c];
+    const Transition transition = transitionOf(*model_, mean, step_->units());
+    Step<4> step;
+    step.F = transition.F;
+    step.Q = transition.Q;
+    step.Q.topLeftCorner<3, 3>() *= step_->amplitude.squared(c) * noise;
+    step.mean.head<3>().noalias() = step.F.topLeftCorner<3, 3>() * mean.head<3>();
+    step.mean(3) = transition.mean(3);
+    return step;
+  }
+
+  Step<8> bothSteps(const ResponseBelief& belief) const {
+    const Step<4> azimuth = stepOf(belief, 0), elevation = stepOf(belief, 1);
+    const Eigen::Matrix4d none = Eigen::Matrix4d::Zero();
+    Step<8> both;
+    both.mean << azimuth.mean, elevation.mean;
+    both.F << azimuth.F, none, none, elevation.F;
+    both.Q << azimuth.Q, none, none, elevation.Q;
+    return both;
+  }
+
+  const ResponseModel* model_;
+  const BankStep* step_;
+  Later<4> one_[2];
+  Later<8> both_;
+};
+
+/// How the learning of the noise stands after the sighting at the end of a step.
+NoiseLearning learningAfter(const BankStep& step) {
+  NoiseLearning learning = step.learning;
+  learning.next(step.units());
+  return learning;
+}
+
+}  // namespace
+
+SmoothedBank nothingLater(const NogaConsistentEstimator& estimator) {
+  SmoothedBank smoothed;
+  smoothed.bank = estimator.bank();
+  smoothed.weights = estimator.probabilities();
+  for (int c = 0; c < 2; ++c) {
+    smoothed.noise[c] = estimator.bank().noiseOf(c);
+    smoothed.later_noise[c] = ModeArray::Zero(smoothed.weights.size());
+  }
+  smoothed.noise_weight = estimator.noiseLearning().weight();
+  smoothed.is_coupled = estimator.isCoupled();
+  return smoothed;
+}
+
+SmoothedBank smoothedBack(const BankStep& step, const std::vector<ResponseModel>& models,
+                          const SmoothedBank& later) {  // (S-143), (S-144)
+  const Eigen::Index count = later.weights.size();
+  const ModeArray& before = step.chain.probabilities();
+  const ModeArray own = step.chain.ownShares(step.units());
+  const ResponseBelief all = step.from.mixture(before, step.is_coupled);
+  SmoothedBank back;
+  back.bank = step.from;
+  back.weights = ModeArray::Zero(count);
+  back.is_coupled = step.is_coupled;
+  back.noise_weight = step.learning.weight();
+  const NoiseLearning learning = learningAfter(step);
+  const double faded = learning.faded(step.units());
+  ModeArray evidence[2] = {ModeArray::Zero(count), ModeArray::Zero(count)};
+  for (int c = 0; c < 2; ++c) back.noise[c] = step.from.noiseOf(c);
+
+  back.later_weight =
+      faded * (later.later_weight + (learning.isLearning() ? NoiseLearning::weightOfOne() : 0.0));
+
+  // Of each model that is in force at the end: whether it had been before, or was drawn within the step.
+  double drawn = 0.0, most = 0.0;
+  std::optional<WayBack> way_of_drawn;
+  Eigen::Vector2d evidence_of_drawn = Eigen::Vector2d::Zero();
+  for (Eigen::Index j = 0; j < count; ++j) {
+    if (later.weights(j) < kLeastWeight) continue;
+    const int model = static_cast<int>(j);
+    ResponseBelief belief = step.from.belief(model);
+    const ResponseBelief mixed = mixtureOf(own(j), belief, all, step.is_coupled);
+    for (int c = 0; c < 2; ++c) {
+      const double seen =
+          learning.isLearning() ? learning.evidence(mixed.noise(c), later.noise[c](j)) : 0.0;
+      evidence[c](j) = faded * (later.later_noise[c](j) + seen);
+    }
+    WayBack way(models[static_cast<std::size_t>(j)], step);
+    double stays = 0.0;
+    if (way.find(mixed, later.bank.belief(model))) {
+      const double log_own = way.take(belief);
+      stays = log_own > kNever ? own(j) : 0.0;
+      if (stays > 0.0 && 1.0 - own(j) > kLeastDrawn) {
+        ResponseBelief any = all;
+        const double log_drawn = way.take(any, false);
+        stays = own(j) / (own(j) + (1.0 - own(j)) * std::exp(std::min(log_drawn - log_own, 700.0)));
+      }
+    }
+    back.weights(j) = later.weights(j) * stays;
+    back.bank.setBelief(model, belief);
+    const double changes = later.weights(j) - back.weights(j);
+    drawn += changes;
+    if (changes <= most) continue;
+    most = changes;
+    way_of_drawn = way;
+    evidence_of_drawn << evidence[0](j), evidence[1](j);
+  }
+
+  // From which it was drawn: by the likeliest of those that were.
+  if (drawn > kLeastDrawn * kLeastDrawn) {
+    ModeArray log_came = ModeArray::Constant(count, kNever);
+    ResponseBank came = step.from;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      if (before(i) < kLeastWeight) continue;
+      ResponseBelief belief = step.from.belief(static_cast<int>(i));
+      const double log_evidence = way_of_drawn->take(belief);
+      if (log_evidence <= kNever) continue;
+      log_came(i) = std::log(before(i)) + log_evidence;
+      came.setBelief(static_cast<int>(i), belief);
+    }
+    ModeArray weights = (log_came - log_came.maxCoeff()).exp();
+    weights *= drawn / weights.sum();
+    for (Eigen::Index i = 0; i < count; ++i) {
+      if (weights(i) > back.weights(i)) {
+        back.bank.setBelief(static_cast<int>(i), came.belief(static_cast<int>(i)));
+        for (int c = 0; c < 2; ++c) evidence[c](i) = evidence_of_drawn(c);
+      }
+      back.weights(i) += weights(i);
+    }
+  }
+  back.weights = (back.weights < kLeastWeight).select(0.0, back.weights);
+  back.weights /= back.weights.sum();
+  for (int c = 0; c < 2; ++c) back.later_noise[c] = evidence[c];
+  return back;
+}
+
+BankStep remainderOf(const BankStep& step, const std::vector<ResponseModel>& models, double h) {
+  const double units = h / step.unit;
+  BankStep rest = step;
+  rest.from.interact(step.chain.ownShares(units),
+                     step.from.mixture(step.chain.probabilities(), step.is_coupled), step.is_coupled);
+  rest.from.step(models, units, step.unit, step.amplitude, step.is_coupled);
+  rest.chain = step.chain.after(units);
+  rest.learning.fade(units);
+  rest.h = step.h - h;
+  return rest;
+}
+
+namespace {
+
+/// Of each model, by all sightings.
+Eigen::Vector2d noiseOf(const SmoothedBank& smoothed, Eigen::Index model) {  // (S-145)
+  const double weight = smoothed.noise_weight + smoothed.later_weight;
+  Eigen::Vector2d noise;
+  for (int c = 0; c < 2; ++c) {
+    noise(c) =
+        (smoothed.noise_weight * smoothed.noise[c](model) + smoothed.later_noise[c](model)) / weight;
+  }
+  return noise;
+}
+
+}  // namespace
+
+Eigen::Vector2d noiseOf(const SmoothedBank& smoothed) {
+  Eigen::Vector2d noise = Eigen::Vector2d::Zero();
+  for (Eigen::Index model = 0; model < smoothed.weights.size(); ++model)
+    noise += smoothed.weights(model) * noiseOf(smoothed, model);
+  return noise;
+}
+
+AngularState motionOf(const SmoothedBank& smoothed) {
+  if (smoothed.later_weight == 0.0) return smoothed.bank.motion(smoothed.weights);
+  ResponseBank bank = smoothed.bank;
+  for (Eigen::Index model = 0; model < smoothed.weights.size(); ++model) {
+    if (smoothed.weights(model) == 0.0) continue;
+    ResponseBelief belief = bank.belief(static_cast<int>(model));
+    const Eigen::Vector2d growth = noiseOf(smoothed, model).cwiseQuotient(belief.noise).cwiseSqrt();
+    scaleErrors(belief, growth, smoothed.is_coupled);
+    bank.setBelief(static_cast<int>(model), belief);
+  }
+  return bank.motion(smoothed.weights);
+}
+
+void turn(SmoothedBank& smoothed, const Eigen::Matrix3d& R_new_old) {
+  for (Eigen::Index model = 0; model < smoothed.weights.size(); ++model) {
+    if (smoothed.weights(model) == 0.0) continue;
+    ResponseBelief belief = smoothed.bank.belief(static_cast<int>(model));
+    turn(belief, R_new_old);
+    smoothed.bank.setBelief(static_cast<int>(model), belief);
+    smoothed.is_coupled = smoothed.is_coupled || belief.cross.cwiseAbs().maxCoeff() > 0.0;
+  }
+}
+
+}  // namespace sightline::core
