@@ -36,7 +36,6 @@ class ForwardPass {
     const ChartedMeasurement& sighting = (*sightings_)[next_];
     if (next_ > 0 && sighting.R_new_old) estimator_.rotate(*sighting.R_new_old);
     Arrival arrival;
-    std::unique_ptr<NogaConsistentEstimator> before;
     if (next_ > 0 && estimator_.startsAnewAt(sighting.measurement.time))
       arrival.ended = std::make_unique<NogaConsistentEstimator>(estimator_);
     arrival.step = estimator_.updateWithStep(sighting.measurement);
@@ -110,6 +109,7 @@ class FixedInterval {
     std::vector<ForwardPass> starts;
     ForwardPass forward(params_, sightings_);
     std::vector<Arrival> arrivals;
+    arrivals.reserve(std::min(kBlock, sightings_.size()));
     while (forward.next() < sightings_.size()) {
       if (forward.next() % kBlock == 0) {
         starts.push_back(forward);

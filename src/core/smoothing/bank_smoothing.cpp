@@ -5,15 +5,14 @@
 #include <cstddef>
 #include <optional>
 
-#include <Eigen/Cholesky>
-
 #include "sightline/core/model/kinematics.h"
 
 namespace sightline::core {
 namespace {
 
-constexpr double kLeastWeight = 1e-5;  // of a model that is still followed back
+constexpr double kLeastWeight = 5e-4;  // of a model that is still followed back
 constexpr double kLeastDrawn = 1e-3;   // probability of having been drawn that is looked into
+constexpr double kLeastSource = 1e-3;  // of a model before, from which one may have been drawn
 constexpr double kNever = -1e300;      // logarithm of the evidence for what cannot be
 
 /// Mean and covariance of a channel's state, or of both one after the other.
@@ -37,6 +36,49 @@ struct Step {
   Eigen::Matrix<double, N, N> F, Q;
 };
 
+/// Inverse of a symmetric positive definite matrix by Cholesky's factors, A = L L^T. Written out, as such small
+/// matrices take Eigen's general solver several times as long, and smoothing is little else.
+template <int N>
+struct Inverse {
+  Eigen::Matrix<double, N, N> matrix;
+  double log_root = 0.0;  // of A's determinant
+  bool exists = false;
+
+  explicit Inverse(const Eigen::Matrix<double, N, N>& A) {
+    double L[N][N], M[N][N];  // M = L^-1
+    for (int j = 0; j < N; ++j) {
+      double pivot = A(j, j);
+      for (int k = 0; k < j; ++k) pivot -= L[j][k] * L[j][k];
+      if (!(pivot > 0.0)) return;
+      L[j][j] = std::sqrt(pivot);
+      M[j][j] = 1.0 / L[j][j];
+      for (int i = j + 1; i < N; ++i) {
+        double sum = A(i, j);
+        for (int k = 0; k < j; ++k) sum -= L[i][k] * L[j][k];
+        L[i][j] = sum * M[j][j];
+      }
+    }
+    double root = 1.0;
+    for (int j = 0; j < N; ++j) {
+      root *= L[j][j];
+      for (int i = j + 1; i < N; ++i) {
+        double sum = 0.0;
+        for (int k = j; k < i; ++k) sum -= L[i][k] * M[k][j];
+        M[i][j] = sum * M[i][i];
+      }
+    }
+    for (int i = 0; i < N; ++i) {
+      for (int j = i; j < N; ++j) {
+        double sum = 0.0;
+        for (int k = j; k < N; ++k) sum += M[k][i] * M[k][j];
+        matrix(i, j) = matrix(j, i) = sum;
+      }
+    }
+    log_root = std::log(root);
+    exists = true;
+  }
+};
+
 /// A state's covariance before a step times F^T, and its covariance after.
 template <int N>
 struct Predicted {
@@ -56,42 +98,38 @@ Predicted<N> predictedBy(const Step<N>& step, const Eigen::Matrix<double, N, N>&
 template <int N>
 bool findLater(const Step<N>& step, const Eigen::Matrix<double, N, N>& P, const Normal<N>& smoothed,
                Later<N>& later) {  // (S-144)
-  using Matrix = Eigen::Matrix<double, N, N>;
-  const Eigen::LLT<Matrix> predicted(predictedBy(step, P).covariance), known(smoothed.covariance);
-  if (predicted.info() != Eigen::Success || known.info() != Eigen::Success) return false;
-  const Matrix information = known.solve(Matrix::Identity());
+  const Inverse<N> predicted(predictedBy(step, P).covariance), known(smoothed.covariance);
+  if (!predicted.exists || !known.exists) return false;
   later.origin = step.mean;
-  later.y = information * (smoothed.mean - step.mean);
-  later.Y = information - predicted.solve(Matrix::Identity());
+  later.y = known.matrix * (smoothed.mean - step.mean);
+  later.Y = known.matrix - predicted.matrix;
   return true;
 }
 
-/// The state before a step, given what later sightings say of the state after. Returns the logarithm of the
-/// evidence, the density of those sightings but for a factor; kNever where the numbers do not allow it.
-/// The covariance in a form that stays positive: P - G (P+ - P_s) G^T written as
-/// (I - G F) P (I - G F)^T + G (P_s + Q) G^T.
+/// The state before a step, given what later sightings say of the state after: the recursion of Rauch, Tung and
+/// Striebel. Returns the logarithm of the evidence, the density of those sightings but for a factor; kNever
+/// where the numbers do not allow it. The covariance in a form that stays positive: P - G (P+ - P_s) G^T
+/// written as (I - G F) P (I - G F)^T + G (P_s + Q) G^T.
 template <int N>
 double comeBack(Normal<N>& state, const Step<N>& step, const Later<N>& later, bool want_state) {  // (S-143)
   using Matrix = Eigen::Matrix<double, N, N>;
   using Vector = Eigen::Matrix<double, N, 1>;
   const Predicted<N> after = predictedBy(step, state.covariance);
-  const Eigen::LLT<Matrix> predicted(after.covariance);
-  if (predicted.info() != Eigen::Success) return kNever;
-  const Eigen::LLT<Matrix> both(predicted.solve(Matrix::Identity()) + later.Y);
-  if (both.info() != Eigen::Success) return kNever;
+  const Inverse<N> predicted(after.covariance);
+  if (!predicted.exists) return kNever;
+  const Inverse<N> both(predicted.matrix + later.Y);
+  if (!both.exists) return kNever;
   const Vector offset = step.mean - later.origin;
   const Vector pull = later.y - later.Y * offset;  // gradient at the predicted mean
-  const Vector shift = both.solve(pull);
-  double log_roots = 0.0;
-  for (int i = 0; i < N; ++i)
-    log_roots += std::log(predicted.matrixLLT()(i, i) * both.matrixLLT()(i, i));
-  const double evidence = 0.5 * pull.dot(shift) + offset.dot(later.y - 0.5 * later.Y * offset) - log_roots;
+  const Vector shift = both.matrix * pull;
+  const double evidence = 0.5 * pull.dot(shift) + offset.dot(later.y - 0.5 * later.Y * offset) -
+                          predicted.log_root - both.log_root;
   if (!want_state) return evidence;
-  const Matrix G = predicted.solve(after.FP).transpose();
-  state.mean += G * shift;
+  const Matrix G = after.FP.transpose() * predicted.matrix;
   const Matrix kept = Matrix::Identity() - G * step.F;
-  const Matrix from_later = G * (both.solve(Matrix::Identity()) + step.Q) * G.transpose();
-  state.covariance = symmetric(kept * state.covariance * kept.transpose() + from_later);
+  const Matrix kept_P = kept * state.covariance, G_later = G * (both.matrix + step.Q);
+  state.mean += G * shift;
+  state.covariance = symmetric(Matrix(kept_P * kept.transpose() + G_later * G.transpose()));
   return evidence;
 }
 
@@ -147,6 +185,14 @@ Normal<8> bothOf(const ResponseBelief& belief) {
   return both;
 }
 
+void setBoth(ResponseBelief& belief, const Normal<8>& both) {
+  for (int c = 0; c < 2; ++c) {
+    belief.mean[c] = both.mean.segment<4>(4 * c);
+    belief.covariance[c] = both.covariance.block<4, 4>(4 * c, 4 * c);
+  }
+  belief.cross = both.covariance.topRightCorner<4, 4>();
+}
+
 /// What later sightings say to one model at the end of a step, apart for each channel or together, and the way
 /// back from there.
 class WayBack {
@@ -176,11 +222,7 @@ class WayBack {
     if (step_->is_coupled) {
       Normal<8> both = bothOf(belief);
       evidence = comeBack(both, bothSteps(belief), both_, want_belief);
-      for (int c = 0; c < 2; ++c) {
-        belief.mean[c] = both.mean.segment<4>(4 * c);
-        belief.covariance[c] = both.covariance.block<4, 4>(4 * c, 4 * c);
-      }
-      belief.cross = both.covariance.topRightCorner<4, 4>();
+      setBoth(belief, both);
     } else {
       for (int c = 0; c < 2; ++c) {
         Normal<4> one{belief.mean[c], belief.covariance[c]};
@@ -194,17 +236,20 @@ class WayBack {
   }
 
  private:
-  /// In units of time.
+  /// In units of time. Of most models the step is the same for every state.
   Step<4> stepOf(const ResponseBelief& belief, int c) const {
-    const double noise = step_->amplitude.follows_noise ? belief.noise(c) : 1.0;
     const Eigen::Vector4d& mean = belief.mean[c];
-    const Transition transition = transitionOf(*model_, mean, step_->units());
+    if (!is_known_ || model_->kind == ResponseModel::Kind::harmonic) {
+      transition_ = transitionOf(*model_, mean, step_->units());
+      is_known_ = true;
+    }
+    const double noise = step_->amplitude.follows_noise ? belief.noise(c) : 1.0;
     Step<4> step;
-    step.F = transition.F;
-    step.Q = transition.Q;
+    step.F = transition_.F;
+    step.Q = transition_.Q;
     step.Q.topLeftCorner<3, 3>() *= step_->amplitude.squared(c) * noise;
     step.mean.head<3>().noalias() = step.F.topLeftCorner<3, 3>() * mean.head<3>();
-    step.mean(3) = transition.mean(3);
+    step.mean(3) = transition_.mean(3);
     return step;
   }
 
@@ -220,6 +265,8 @@ class WayBack {
 
   const ResponseModel* model_;
   const BankStep* step_;
+  mutable Transition transition_;
+  mutable bool is_known_ = false;
   Later<4> one_[2];
   Later<8> both_;
 };
@@ -301,11 +348,11 @@ SmoothedBank smoothedBack(const BankStep& step, const std::vector<ResponseModel>
   }
 
   // From which it was drawn: by the likeliest of those that were.
-  if (drawn > kLeastDrawn * kLeastDrawn) {
+  if (drawn > kLeastDrawn && way_of_drawn) {
     ModeArray log_came = ModeArray::Constant(count, kNever);
     ResponseBank came = step.from;
     for (Eigen::Index i = 0; i < count; ++i) {
-      if (before(i) < kLeastWeight) continue;
+      if (before(i) < kLeastSource) continue;
       ResponseBelief belief = step.from.belief(static_cast<int>(i));
       const double log_evidence = way_of_drawn->take(belief);
       if (log_evidence <= kNever) continue;
