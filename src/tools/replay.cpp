@@ -14,8 +14,8 @@
 namespace {
 
 const char* const kUsageBeforeEstimators =
-    "Usage: replay [--config FILE.yaml] [--estimator E] [--rule R] [--positions yes|no] [--live] IN.bag "
-    "OUT.bag\n"
+    "Usage: replay [--config FILE.yaml] [--estimator E] [--rule R] [--positions yes|no] [--smooth] [--lag S] "
+    "[--live] IN.bag OUT.bag\n"
     "Runs the local trackers and the track fusion over a recording, as fast as the machine allows.\n"
     "  IN.bag       every sightline/SightingArray topic is used, with /tf and /tf_static\n"
     "  OUT.bag      IN.bag with the tracks (instead of those it may hold): one tracker for each sensor on\n"
@@ -33,6 +33,10 @@ const char* const kUsageBeforeEstimators =
     "no: "
     "all look\n"
     "               from one place (default: yes where sensors stand more than a metre apart)\n"
+    "  --smooth     also write where each local track was by all its sightings, earlier and later ones: on\n"
+    "               /sensors/<sensor>/tracks_smoothed and /sensor_fusion/tracks_smoothed, at the times of "
+    "the tracks\n"
+    "  --lag S      smooth with sightings up to S seconds later only, as could be done live\n"
     "  --live       use scans in their order of arrival, and drop what comes too late for live trackers "
     "(default: nothing\n"
     "               is late)\n"
@@ -74,11 +78,13 @@ void print(const sightline_ros::ReplaySummary& summary, const std::string& out, 
 
 void run(const std::vector<std::string>& words) {
   using namespace sightline_ros;
-  const sightline::report::CommandLine line(words, {"--config", "--estimator", "--rule", "--positions"}, 2, 2,
-                                            {"--live"});
+  const sightline::report::CommandLine line(words, {"--config", "--estimator", "--rule", "--positions", "--lag"}, 2, 2,
+                                            {"--live", "--smooth"});
   ReplaySettings settings{line.option("--config", ""), line.option("--estimator", ""),
                           line.option("--rule", ""), line.has("--live"), std::nullopt};
   if (line.has("--positions")) settings.positions = line.yesOrNo("--positions", false);
+  settings.smooth = line.has("--smooth") || line.has("--lag");
+  if (line.has("--lag")) settings.lag = line.number("--lag", 0.0, sightline::report::NumberRange::at_least_zero);
   const auto start = std::chrono::steady_clock::now();
   const ReplaySummary summary = replay(line.arguments()[0], line.arguments()[1], settings);
   print(summary, line.arguments()[1],

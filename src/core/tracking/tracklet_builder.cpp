@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace sightline::core {
 namespace {
@@ -9,6 +10,25 @@ namespace {
 constexpr std::size_t kMostWaiting = 10000;  // sightings; beyond, they are reported at once
 
 }  // namespace
+
+std::vector<TrackTracklet> sightingsTaken(const Scan& scan, const ScanReport& tracked) {
+  std::vector<TrackTracklet> taken;
+  if (tracked.refusal || tracked.use.is_excluded) return taken;
+  for (const Association& association : tracked.associations) {
+    const bool is_taken =
+        association.decision == Decision::accepted || association.decision == Decision::started_track;
+    if (!is_taken) continue;
+    TrackTracklet sighting;
+    sighting.track = association.track;
+    sighting.tracklet.time = scan.time;
+    sighting.tracklet.sensor = scan.sensor;
+    sighting.tracklet.ifov = scan.ifov;
+    sighting.tracklet.sighting = scan.sightings[association.sighting];
+    sighting.tracklet.sighting.covariance *= tracked.use.noise_scale;
+    taken.push_back(std::move(sighting));
+  }
+  return taken;
+}
 
 TrackletBuilder::TrackletBuilder(const TrackletParams& params) : params_(params) {
   const CompressionParams& compression = params.compression;
@@ -42,21 +62,11 @@ std::optional<TrackletReport> TrackletBuilder::onTime(Time now) {
 }
 
 void TrackletBuilder::collect(const Scan& scan, const ScanReport& tracked) {
-  if (tracked.use.is_excluded) return;
-  for (const Association& association : tracked.associations) {
-    const bool taken =
-        association.decision == Decision::accepted || association.decision == Decision::started_track;
-    if (!taken) continue;
-    Tracklet sighting;
-    sighting.time = scan.time;
-    sighting.sensor = scan.sensor;
-    sighting.ifov = scan.ifov;
-    sighting.sighting = scan.sightings[association.sighting];
-    sighting.sighting.covariance *= tracked.use.noise_scale;
-    std::vector<Tracklet>& pending = pending_[{association.track, scan.sensor}];
-    const auto place = std::upper_bound(pending.begin(), pending.end(), sighting,
+  for (TrackTracklet& taken : sightingsTaken(scan, tracked)) {
+    std::vector<Tracklet>& pending = pending_[{taken.track, scan.sensor}];
+    const auto place = std::upper_bound(pending.begin(), pending.end(), taken.tracklet,
                                         [](const Tracklet& a, const Tracklet& b) { return a.time < b.time; });
-    pending.insert(place, std::move(sighting));
+    pending.insert(place, std::move(taken.tracklet));
     ++waiting_;
   }
 }

@@ -61,12 +61,14 @@ LocalTrackerComponent::LocalTrackerComponent(const core::LocalTrackerParams& tra
                                              const tf2::BufferCore& transforms)
     : name_(std::move(name)),
       estimator_(nameOf(tracker.estimator.kind)),
+      estimator_params_(tracker.estimator),
       max_lag_(tracker.max_lag),
       frames_(frames, transforms),
       stamps_(stampWatchParams(tracker.max_lag)),
       tracking_(
           Tracking{core::LocalTracker(tracker),
-                   tracklets.enabled ? std::make_optional<core::TrackletBuilder>(tracklets) : std::nullopt},
+                   tracklets.enabled ? std::make_optional<core::TrackletBuilder>(tracklets) : std::nullopt,
+                   false},
           handle, sizeOf) {}
 
 std::vector<TrackerReport> LocalTrackerComponent::onScan(const sightline::SightingArray::ConstPtr& scan,
@@ -103,6 +105,10 @@ void LocalTrackerComponent::admit(FramedScan framed, core::Time now, std::vector
   }
 }
 
+void LocalTrackerComponent::keepSightings() {
+  tracking_.change([](Tracking& tracking) { tracking.keeps_sightings = true; });
+}
+
 void LocalTrackerComponent::startAnew(core::Time time) {
   stamps_ = core::StampGate<FramedScan>(stampWatchParams(max_lag_));
   startTrackerAnew(time);
@@ -128,9 +134,10 @@ sightline::TrackletArray::Ptr LocalTrackerComponent::overdueTracklets(core::Time
 }
 
 LocalTrackerComponent::Answer LocalTrackerComponent::handle(Tracking& tracking, const Input& input) {
-  if (const auto* now = std::get_if<core::Time>(&input)) return {{}, tracking.tracklets->onTime(*now)};
+  if (const auto* now = std::get_if<core::Time>(&input)) return {{}, tracking.tracklets->onTime(*now), {}};
   const core::Scan& scan = std::get<core::Scan>(input);
-  Answer answer{tracking.tracker.onScan(scan), std::nullopt};
+  Answer answer{tracking.tracker.onScan(scan), std::nullopt, {}};
+  if (tracking.keeps_sightings) answer.sightings = core::sightingsTaken(scan, answer.report);
   if (tracking.tracklets) answer.tracklets = tracking.tracklets->onScan(scan, answer.report);
   return answer;
 }
@@ -150,6 +157,8 @@ TrackerReport LocalTrackerComponent::track(FramedScan& framed) {
   core::ScanReport& tracked = answer->report;
   report.refusal = tracked.refusal;
   report.changes = std::move(tracked.changes);
+  report.sightings = std::move(answer->sightings);
+  report.noise_scale = tracked.use.noise_scale;
   if (!tracked.refusal) report.tracks = trackArray(tracked);
   report.tracklets = trackletArray(std::move(answer->tracklets));
   return withAssociations(std::move(report), framed, std::move(tracked.associations));

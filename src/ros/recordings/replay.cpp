@@ -25,6 +25,7 @@
 #include "sightline/ros/recordings/recorded_transforms.h"
 #include "sightline/ros/recordings/replay_output.h"
 #include "sightline/ros/recordings/replay_parameters.h"
+#include "sightline/ros/recordings/smoothed_tracks.h"
 
 namespace sightline_ros {
 
@@ -39,6 +40,7 @@ const char* const kAllSensors = "";  // group of the tracker over all sightings
 struct Tracker {
   LocalTrackerComponent component;
   TrackerTopics topics;
+  std::optional<SmoothedTracks> smoothed;  // where they are to be smoothed
   bool is_used = false;  // its tracks go to the fusion or to the position tracker
 };
 
@@ -85,6 +87,7 @@ class Replay {
   std::vector<TrackerReport> track(Tracker& tracker, const SightingArray::ConstPtr& scan);
   void use(const Tracker& tracker, const std::vector<TrackerReport>& reports);
   void fuse(const sightline::TrackArray& tracks, const std::string& topic);
+  void writeSmoothed();
   void sendOverdueTracklets(core::Time now);
   void sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets);
   void locate(const sightline::TrackArray::ConstPtr& tracks, const std::string& topic);
@@ -95,6 +98,8 @@ class Replay {
   void noteLeftOut(const core::FusionReport& report);
 
   bool is_live_;
+  bool smooths_;
+  std::optional<double> lag_;  // of the smoother [s]
   std::string parameters_;
   bool has_positions_ = false;
   core::ArrivalPlan arrivals_;
@@ -113,6 +118,8 @@ class Replay {
 Replay::Replay(const rosbag::Bag& in, const RecordingSurvey& survey, rosbag::Bag& out,
                const ParamReader& config, const ReplaySettings& settings)
     : is_live_(settings.live),
+      smooths_(settings.smooth),
+      lag_(settings.lag),
       parameters_(parametersText(settings)),
       arrivals_(survey.arrivals),
       output_(out, summary_),
@@ -177,7 +184,11 @@ void Replay::addStations(const RecordedStations& found, const std::set<std::stri
 }
 
 Tracker Replay::trackerOf(const std::string& name, const std::string& space, const ParamReader& section) {
-  Tracker tracker{LocalTrackerComponent(section, name, transforms_.buffer()), TrackerTopics(space)};
+  Tracker tracker{LocalTrackerComponent(section, name, transforms_.buffer()), TrackerTopics(space), {}};
+  if (smooths_) {
+    tracker.component.keepSightings();
+    tracker.smoothed.emplace(tracker.component.estimatorParams(), lag_);
+  }
   output_.replace(tracker.topics);
   return tracker;
 }
@@ -219,6 +230,7 @@ ReplaySummary Replay::run(const rosbag::Bag& in) {
   }
   sendOverdueTracklets(core::Time::max());
   fuseWaiting();
+  writeSmoothed();
   InputLimits limits;
   limits.stand_apart = has_positions_;
   summary_.findings = examination_.findings(transforms_.buffer(), commonFrame(), limits);
@@ -262,6 +274,7 @@ std::vector<TrackerReport> Replay::track(Tracker& tracker, const SightingArray::
   for (auto& report : tracker.component.onTransforms(end_of_wait)) reports.push_back(std::move(report));
   for (const auto& report : reports) {
     output_.write(report, tracker.component.name(), tracker.topics);
+    if (tracker.smoothed) tracker.smoothed->keep(report);
     examination_.take(*report.associations, tracker.topics.associations);
     if (report.tracks) examination_.take(*report.tracks, tracker.topics.tracks);
   }
@@ -297,6 +310,15 @@ void Replay::note(const FusionResult& fused, const ros::Time& stamp) {
   if (!fused.report) return;
   output_.write(fused, stamp);
   noteLeftOut(*fused.fused);
+}
+
+/// One tracker after the other: what has been smoothed need not be kept.
+void Replay::writeSmoothed() {
+  withEachTracker([this](Tracker& tracker) {
+    if (!tracker.smoothed) return;
+    output_.writeSmoothed(tracker.smoothed->smooth(), tracker.topics);
+    tracker.smoothed.reset();
+  });
 }
 
 /// As a node would by its clock: for trackers whose scans end or pause.

@@ -27,7 +27,7 @@ ReplayOutput::ReplayOutput(rosbag::Bag& out, ReplaySummary& summary)
     : out_(out), summary_(summary), replaced_({kFusedTracks, kFusionReport, kReplayParameters}) {}
 
 void ReplayOutput::replace(const TrackerTopics& topics) {
-  replaced_.insert({topics.tracks, topics.tracklets, topics.associations});
+  replaced_.insert({topics.tracks, topics.tracklets, topics.associations, topics.smoothed});
 }
 
 void ReplayOutput::writeParameters(const std::string& text, const ros::Time& begin) {
@@ -64,6 +64,11 @@ void ReplayOutput::write(const TrackerReport& report, const std::string& tracker
 
 void ReplayOutput::write(const sightline::TrackletArray& tracklets, const TrackerTopics& topics) {
   out_.write(topics.tracklets, bagTime(tracklets.header.stamp), tracklets);
+}
+
+void ReplayOutput::writeSmoothed(const std::vector<sightline::TrackArray>& tracks,
+                                 const TrackerTopics& topics) {
+  for (const sightline::TrackArray& message : tracks) write(message, topics.smoothed);
 }
 
 void ReplayOutput::write(const FusionResult& fused, const ros::Time& stamp) {

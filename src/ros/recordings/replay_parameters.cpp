@@ -2,6 +2,8 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "sightline/report/value_text.h"
+
 namespace sightline_ros {
 namespace {
 
@@ -32,6 +34,8 @@ std::string parametersText(const ReplaySettings& settings) {
   if (!settings.estimator.empty()) text += "--estimator: " + settings.estimator + "\n";
   if (!settings.rule.empty()) text += "--rule: " + settings.rule + "\n";
   if (settings.positions) text += std::string("--positions: ") + (*settings.positions ? "yes" : "no") + "\n";
+  if (settings.smooth) text += "--smooth: yes\n";
+  if (settings.lag) text += "--lag: " + sightline::report::valueOf(*settings.lag, "s") + "\n";
   if (settings.live) text += "--live: yes\n";
   return text;
 }

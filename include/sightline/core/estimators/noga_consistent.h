@@ -17,6 +17,9 @@
 
 namespace sightline::core {
 
+/// Amplitude over the sightings' sigma where the amplitude is not given.
+constexpr double kSigmasOfAmplitude = 10.0;
+
 struct NogaConsistentParams {
   /// 1 to kMaxModes models, chosen on the scenarios of section 7.1 and on recordings of fireballs and a
   /// drone: straight flight from dead calm to hard turns at the scale of the sensor; harmonic motion, calm

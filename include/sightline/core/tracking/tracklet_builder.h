@@ -14,6 +14,10 @@
 
 namespace sightline::core {
 
+/// The sightings of a scan in the tracking frame with which tracks have been updated, or were started, with
+/// the noise that was used.
+std::vector<TrackTracklet> sightingsTaken(const Scan& scan, const ScanReport& tracked);
+
 struct TrackletParams {
   bool enabled = true;
   double interval = 0.0;  ///< time between reports [s], >= 0; 0 = with every scan

@@ -29,6 +29,9 @@ struct TrackerReport {
   sightline::TrackArray::Ptr tracks;              ///< null when the scan was dropped
   sightline::TrackletArray::Ptr tracklets;        ///< null when none are due; to be sent before the tracks
   sightline::AssociationArray::Ptr associations;  ///< every sighting of the scan, whether it was used or not
+  /// With which tracks were updated, in the tracking frame; only where the tracker is told to keep them.
+  std::vector<sightline::core::TrackTracklet> sightings;
+  double noise_scale = 1.0;  ///< factor on the stated variances that they have in them already
   std::size_t rejected = 0;                       ///< sightings with REJECTED_INPUT
   std::optional<sightline::core::Refusal> refusal;     ///< why the scan was not used
   std::vector<sightline::core::SensorChange> changes;  ///< of sensors' verdicts; mostly none
@@ -58,6 +61,9 @@ class LocalTrackerComponent {
   /// Tracklets that wait for a scan that does not come; null when nothing has to be sent by now.
   sightline::TrackletArray::Ptr overdueTracklets(sightline::core::Time now);
 
+  /// From now on reports hold the sightings with which tracks are updated.
+  void keepSightings();
+
   /// Time went back to `time`: deletes everything and tracks on from there.
   void startAnew(sightline::core::Time time);
 
@@ -84,6 +90,7 @@ class LocalTrackerComponent {
   std::size_t waiting() const { return frames_.waiting(); }
   const std::string& name() const { return name_; }
   const std::string& estimator() const { return estimator_; }
+  const sightline::core::EstimatorParams& estimatorParams() const { return estimator_params_; }
   const std::string& trackingFrame() const { return frames_.params().tracking_frame; }
   double maxLag() const { return max_lag_; }  ///< lateness up to which a scan is put in its place [s]
   double maxFuture() const { return frames_.params().max_future; }  ///< [s]
@@ -94,12 +101,14 @@ class LocalTrackerComponent {
   struct Tracking {
     sightline::core::LocalTracker tracker;
     std::optional<sightline::core::TrackletBuilder> tracklets;  // none: not enabled
+    bool keeps_sightings = false;
   };
   /// A scan, or the clock where no scan comes.
   using Input = std::variant<sightline::core::Scan, sightline::core::Time>;
   struct Answer {
     sightline::core::ScanReport report;  // of a scan
     std::optional<sightline::core::TrackletReport> tracklets;
+    std::vector<sightline::core::TrackTracklet> sightings;
   };
 
   static Answer handle(Tracking& tracking, const Input& input);
@@ -121,6 +130,7 @@ class LocalTrackerComponent {
 
   std::string name_;
   std::string estimator_;
+  sightline::core::EstimatorParams estimator_params_;
   double max_lag_;
   FrameChange frames_;
   sightline::core::StampGate<FramedScan> stamps_;

@@ -21,6 +21,8 @@ struct ReplaySettings {
   bool live = false;      ///< scans count as late, and wait for transforms, as in live trackers
   /// Positions instead of fused directions; nullopt = where stations stand more than a metre apart.
   std::optional<bool> positions = std::nullopt;
+  bool smooth = false;  ///< also write each local tracker's tracks smoothed, given earlier and later sightings
+  std::optional<double> lag = std::nullopt;  ///< only sightings up to so much later are used [s], >= 0
 };
 
 /// What a replay did.
@@ -51,6 +53,9 @@ std::string exampleOf(const sightline::SightingArray& scan, const std::string& d
 /// Sensors that stand apart are no sensors of one place: each station's tracker then tracks in the station's
 /// frame (the one over all sensors of a station with several on /stations/<station>/tracks), and instead of
 /// fused directions there are positions (/positions/tracks, /positions/report).
+///
+/// With `smooth` the tracks of each local tracker are written once more beside them (/tracks_smoothed), where
+/// they were by all sightings of the recording, or by those up to `lag` later: see TrackSmoother.
 ///
 /// Scans are followed in the order of their stamps, however they arrived, with all transforms of the
 /// recording; with `live` as live trackers would have followed them, which drop what is later than `max_lag`

@@ -2,6 +2,7 @@
 
 #include <set>
 #include <string>
+#include <vector>
 
 #include <rosbag/bag.h>
 #include <rosbag/message_instance.h>
@@ -18,9 +19,12 @@ namespace sightline_ros {
 /// The topics on which a local tracker publishes.
 struct TrackerTopics {
   explicit TrackerTopics(const std::string& space)
-      : tracks(space + "/tracks"), tracklets(space + "/tracklets"), associations(space + "/associations") {}
+      : tracks(space + "/tracks"),
+        tracklets(space + "/tracklets"),
+        associations(space + "/associations"),
+        smoothed(space + "/tracks_smoothed") {}
 
-  std::string tracks, tracklets, associations;
+  std::string tracks, tracklets, associations, smoothed;
 };
 
 /// Writes the bag of a replay and counts in its summary what is written.
@@ -44,6 +48,9 @@ class ReplayOutput {
   /// What a tracker, named `tracker`, made of a scan.
   void write(const TrackerReport& report, const std::string& tracker, const TrackerTopics& topics);
   void write(const sightline::TrackletArray& tracklets, const TrackerTopics& topics);
+
+  /// Smoothed tracks, in order of time.
+  void writeSmoothed(const std::vector<sightline::TrackArray>& tracks, const TrackerTopics& topics);
 
   /// What the fusion made of tracks with this stamp.
   void write(const FusionResult& fused, const ros::Time& stamp);
