@@ -131,9 +131,9 @@ Ratio printScenario(const Scenario& scenario, double sigma, const Settings& sett
     const Sample square = sampleOf(figures[k], &RunFigures::square);
     const Ratio ratio = rootRatio(square, filter);
     const double nees = sampleOf(figures[k], &RunFigures::nees_position).mean();
-    std::printf("| %-9s | %-9s | %.3f +-%.3f | %.3f +-%.3f | %.2f; %.2f |", scenario.name.c_str(), kAll[k].name,
-                square.root() / sigma, square.rootBand() / sigma, ratio.value, ratio.value * ratio.log_band,
-                nees, sampleOf(figures[k], &RunFigures::nees_state).mean());
+    std::printf("| %-9s | %-9s | %.3f +-%.3f | %.3f +-%.3f | %.2f; %.2f |", scenario.name.c_str(),
+                kAll[k].name, square.root() / sigma, square.rootBand() / sigma, ratio.value,
+                ratio.value * ratio.log_band, nees, sampleOf(figures[k], &RunFigures::nees_state).mean());
     if (scenario.dropout_to > 0.0) {
       const Sample gap = sampleOf(figures[k], &RunFigures::gap_square);
       std::printf(" %.3f +-%.3f, ANEES %.2f", gap.root() / sigma, gap.rootBand() / sigma,
@@ -151,7 +151,9 @@ Ratio printScenario(const Scenario& scenario, double sigma, const Settings& sett
 void printScenarios(const std::vector<Scenario>& scenarios, const char* title, const Settings& settings) {
   for (const double sigma : {0.08, 0.15}) {
     std::printf("\n## %s, one sensor, sigma %.0f %%, %d runs\n", title, 100.0 * sigma, settings.runs);
-    std::printf("| scenario | by | RMSE / sigma | over the filter's | ANEES position; state | hidden, RMSE / sigma\n");
+    std::printf(
+        "| scenario | by | RMSE / sigma | over the filter's | ANEES position; state | hidden, RMSE / "
+        "sigma\n");
     std::vector<Ratio> ratios;
     double time[kMethods] = {};
     for (const Scenario& scenario : scenarios)

@@ -4,7 +4,9 @@
 #include <cstdio>
 #include <iostream>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "sightline/core/estimators/estimators.h"
 #include "sightline/core/fusion/rules/fusion_rule_table.h"
@@ -15,7 +17,7 @@ namespace {
 
 const char* const kUsageBeforeEstimators =
     "Usage: replay [--config FILE.yaml] [--estimator E] [--rule R] [--positions yes|no] [--smooth] [--lag S] "
-    "[--live] IN.bag OUT.bag\n"
+    "[--topics T[,T...]] [--live] IN.bag OUT.bag\n"
     "Runs the local trackers and the track fusion over a recording, as fast as the machine allows.\n"
     "  IN.bag       every sightline/SightingArray topic is used, with /tf and /tf_static\n"
     "  OUT.bag      IN.bag with the tracks (instead of those it may hold): one tracker for each sensor on\n"
@@ -37,6 +39,9 @@ const char* const kUsageBeforeEstimators =
     "               /sensors/<sensor>/tracks_smoothed and /sensor_fusion/tracks_smoothed, at the times of "
     "the tracks\n"
     "  --lag S      smooth with sightings up to S seconds later only, as could be done live\n"
+    "  --topics     of what is said, write these topics only: names, or beginnings of names with a * at the "
+    "end, as in\n"
+    "               /fusion/tracks,/sensors/*; messages of IN.bag are copied all the same\n"
     "  --live       use scans in their order of arrival, and drop what comes too late for live trackers "
     "(default: nothing\n"
     "               is late)\n"
@@ -76,15 +81,31 @@ void print(const sightline_ros::ReplaySummary& summary, const std::string& out, 
   std::printf("%s", sightline_ros::linesOf(summary.findings).c_str());
 }
 
+/// Of a list with commas.
+std::vector<std::string> topicsIn(const std::string& list) {
+  std::vector<std::string> topics;
+  std::istringstream rest(list);
+  for (std::string topic; std::getline(rest, topic, ',');) {
+    if (topic.empty() || topic.front() != '/')
+      throw sightline::report::UsageError("--topics needs names of topics like /fusion/tracks, got \"" +
+                                          topic + "\"");
+    topics.push_back(topic);
+  }
+  return topics;
+}
+
 void run(const std::vector<std::string>& words) {
   using namespace sightline_ros;
-  const sightline::report::CommandLine line(words, {"--config", "--estimator", "--rule", "--positions", "--lag"}, 2, 2,
-                                            {"--live", "--smooth"});
+  const sightline::report::CommandLine line(
+      words, {"--config", "--estimator", "--rule", "--positions", "--lag", "--topics"}, 2, 2,
+      {"--live", "--smooth"});
   ReplaySettings settings{line.option("--config", ""), line.option("--estimator", ""),
                           line.option("--rule", ""), line.has("--live"), std::nullopt};
   if (line.has("--positions")) settings.positions = line.yesOrNo("--positions", false);
   settings.smooth = line.has("--smooth") || line.has("--lag");
-  if (line.has("--lag")) settings.lag = line.number("--lag", 0.0, sightline::report::NumberRange::at_least_zero);
+  if (line.has("--lag"))
+    settings.lag = line.number("--lag", 0.0, sightline::report::NumberRange::at_least_zero);
+  if (line.has("--topics")) settings.topics = topicsIn(line.option("--topics", ""));
   const auto start = std::chrono::steady_clock::now();
   const ReplaySummary summary = replay(line.arguments()[0], line.arguments()[1], settings);
   print(summary, line.arguments()[1],

@@ -21,9 +21,9 @@ const fs::path kRoot = sightline::test::sourceDirectory();
 /// another one's name (fusion/rules) is part of that room.
 using Floors = std::map<std::string, int>;
 
-const Floors kCoreFloors{{"model", 1},    {"estimators", 2},  {"ordering", 2}, {"simulation", 2},
-                         {"imaging", 2},  {"smoothing", 3},  {"association", 3}, {"sensors", 4},  {"evaluation", 4},
-                         {"tracking", 5}, {"fusion", 5},      {"positions", 5}};
+const Floors kCoreFloors{{"model", 1},      {"estimators", 2}, {"ordering", 2},    {"simulation", 2},
+                         {"imaging", 2},    {"smoothing", 3},  {"association", 3}, {"sensors", 4},
+                         {"evaluation", 4}, {"tracking", 5},   {"fusion", 5},      {"positions", 5}};
 
 const Floors kRosFloors{{"params", 1},     {"messages", 2},   {"diagnosis", 3}, {"display", 3},
                         {"adapters", 4},   {"components", 4}, {"outputs", 4},   {"inspector", 4},

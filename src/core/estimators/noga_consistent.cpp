@@ -11,9 +11,9 @@ namespace sightline::core {
 namespace {
 
 // Section 4.2 and 4.3; sigmas in amplitudes [rad] per s^n, kappa in 1/s^2.
-constexpr double kInitialSigma = 2.0;        // of rate, acceleration and kappa before anything is known
-constexpr double kCoupling = 1e-6;           // correlation from which azimuth and elevation count as coupled
-constexpr double kLongestStep = 30.0;        // [units of time]; what was known of a target is lost by then
+constexpr double kInitialSigma = 2.0;  // of rate, acceleration and kappa before anything is known
+constexpr double kCoupling = 1e-6;     // correlation from which azimuth and elevation count as coupled
+constexpr double kLongestStep = 30.0;  // [units of time]; what was known of a target is lost by then
 
 void check(const NogaConsistentParams& params) {
   if (params.models.empty() || params.models.size() > kMaxModes) {

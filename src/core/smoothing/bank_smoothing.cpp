@@ -75,8 +75,8 @@ void setBoth(ResponseBelief& belief, const Normal<8>& both) {
   belief.cross = both.covariance.topRightCorner<4, 4>();
 }
 
-/// What later sightings say to one model at the end of a step, apart for each channel or together, and the way
-/// back from there.
+/// What later sightings say to one model at the end of a step, apart for each channel or together, and the
+/// way back from there.
 class WayBack {
  public:
   WayBack(const ResponseModel& model, const BankStep& step) : model_(&model), step_(&step) {}
@@ -204,8 +204,7 @@ SmoothedBank smoothedBack(const BankStep& step, const std::vector<ResponseModel>
     ResponseBelief belief = step.from.belief(model);
     const ResponseBelief mixed = mixtureOf(own(j), belief, all, step.is_coupled);
     for (int c = 0; c < 2; ++c) {
-      const double seen =
-          learning.isLearning() ? learning.evidence(mixed.noise(c), later.noise[c](j)) : 0.0;
+      const double seen = learning.isLearning() ? learning.evidence(mixed.noise(c), later.noise[c](j)) : 0.0;
       evidence[c](j) = faded * (later.later_noise[c](j) + seen);
     }
     WayBack way(models[static_cast<std::size_t>(j)], step);
@@ -276,8 +275,7 @@ Eigen::Vector2d noiseOf(const SmoothedBank& smoothed, Eigen::Index model) {  // 
   const double weight = smoothed.noise_weight + smoothed.later_weight;
   Eigen::Vector2d noise;
   for (int c = 0; c < 2; ++c) {
-    noise(c) =
-        (smoothed.noise_weight * smoothed.noise[c](model) + smoothed.later_noise[c](model)) / weight;
+    noise(c) = (smoothed.noise_weight * smoothed.noise[c](model) + smoothed.later_noise[c](model)) / weight;
   }
   return noise;
 }

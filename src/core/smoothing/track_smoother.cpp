@@ -37,7 +37,8 @@ class SlowErrors {
     source->last = &sighting;
   }
 
-  /// Variance of each coordinate of a chart [rad^2]. `noise_scale`: of white noise over that of the sightings.
+  /// Variance of each coordinate of a chart [rad^2]. `noise_scale`: of white noise over that of the
+  /// sightings.
   Eigen::Vector2d variance(const Chart& chart, Time time, const Eigen::Vector2d& noise_scale) const {
     double sum = 0.0;
     Eigen::Vector2d variance = Eigen::Vector2d::Zero();
@@ -86,8 +87,7 @@ std::vector<std::optional<AngularState>> TrackSmoother::smooth(const std::vector
       const bool stays = before.holds(before.coordinatesOf(direction));
       charts.push_back(stays ? before : before.following(direction));
       if (!stays) {
-        measurement.R_new_old =
-            charts.back().R_chart_tracking() * before.R_chart_tracking().transpose();
+        measurement.R_new_old = charts.back().R_chart_tracking() * before.R_chart_tracking().transpose();
       }
     }
     measurement.measurement = measurementIn(charts.back(), sighting.tracklet);

@@ -14,7 +14,7 @@ namespace {
 namespace core = sightline::core;
 
 constexpr double kBeginsAgain = 1.0;  // backwards, from which a recording begins again [s]
-constexpr double kDimension = 2.0;  // of an innovation
+constexpr double kDimension = 2.0;    // of an innovation
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 float gateOf(const sightline::Track& track) {

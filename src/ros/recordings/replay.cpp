@@ -41,7 +41,7 @@ struct Tracker {
   LocalTrackerComponent component;
   TrackerTopics topics;
   std::optional<SmoothedTracks> smoothed;  // where they are to be smoothed
-  bool is_used = false;  // its tracks go to the fusion or to the position tracker
+  bool is_used = false;                    // its tracks go to the fusion or to the position tracker
 };
 
 ParamReader configurationOf(const ReplaySettings& settings) {
@@ -122,7 +122,7 @@ Replay::Replay(const rosbag::Bag& in, const RecordingSurvey& survey, rosbag::Bag
       lag_(settings.lag),
       parameters_(parametersText(settings)),
       arrivals_(survey.arrivals),
-      output_(out, summary_),
+      output_(out, summary_, settings.topics),
       transforms_(in, is_live_ ? KnownTransforms::up_to_time : KnownTransforms::one_further),
       fusion_(fusionSectionOf(config, settings), "fusion", &transforms_.buffer()),
       positions_(config.sub("position_tracker"), "positions", transforms_.buffer()) {
@@ -231,6 +231,9 @@ ReplaySummary Replay::run(const rosbag::Bag& in) {
   sendOverdueTracklets(core::Time::max());
   fuseWaiting();
   writeSmoothed();
+  for (const std::string& name : output_.unwritten())
+    summary_.notices.push_back("nothing was written on \"" + name +
+                               "\" (--topics): no tracker, fusion or position says anything there");
   InputLimits limits;
   limits.stand_apart = has_positions_;
   summary_.findings = examination_.findings(transforms_.buffer(), commonFrame(), limits);

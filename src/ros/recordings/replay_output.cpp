@@ -21,10 +21,37 @@ ros::Time bagTime(const ros::Time& stamp) {
   return std::max(stamp, ros::TIME_MIN);
 }
 
+/// Whether a topic has this name, in which a * at the end stands for any rest.
+bool isNamed(const std::string& topic, const std::string& name) {
+  if (name.empty() || name.back() != '*') return topic == name;
+  return topic.compare(0, name.size() - 1, name, 0, name.size() - 1) == 0;
+}
+
 }  // namespace
 
-ReplayOutput::ReplayOutput(rosbag::Bag& out, ReplaySummary& summary)
-    : out_(out), summary_(summary), replaced_({kFusedTracks, kFusionReport, kReplayParameters}) {}
+ReplayOutput::ReplayOutput(rosbag::Bag& out, ReplaySummary& summary, const std::vector<std::string>& wanted)
+    : out_(out), summary_(summary), replaced_({kFusedTracks, kFusionReport, kReplayParameters}) {
+  for (const std::string& topic : wanted) wanted_[topic] = false;
+}
+
+/// Writes the message if its topic is wanted.
+template <typename Message>
+void ReplayOutput::say(const std::string& topic, const ros::Time& time, const Message& message) {
+  bool is_wanted = wanted_.empty();
+  for (auto& [name, is_written] : wanted_) {
+    if (!isNamed(topic, name)) continue;
+    is_wanted = is_written = true;
+  }
+  if (is_wanted) out_.write(topic, time, message);
+}
+
+std::vector<std::string> ReplayOutput::unwritten() const {
+  std::vector<std::string> names;
+  for (const auto& [name, is_written] : wanted_) {
+    if (!is_written) names.push_back(name);
+  }
+  return names;
+}
 
 void ReplayOutput::replace(const TrackerTopics& topics) {
   replaced_.insert({topics.tracks, topics.tracklets, topics.associations, topics.smoothed});
@@ -48,7 +75,7 @@ void ReplayOutput::copy(const rosbag::MessageInstance& message) {
 
 void ReplayOutput::write(const TrackerReport& report, const std::string& tracker,
                          const TrackerTopics& topics) {
-  out_.write(topics.associations, bagTime(report.scan->header.stamp), report.associations);
+  say(topics.associations, bagTime(report.scan->header.stamp), report.associations);
   if (!report.tracks) {
     summary_.noteDrop(tracker + ": scan dropped, " + report.refusal->kind,
                       exampleOf(*report.scan, report.refusal->detail));
@@ -63,7 +90,7 @@ void ReplayOutput::write(const TrackerReport& report, const std::string& tracker
 }
 
 void ReplayOutput::write(const sightline::TrackletArray& tracklets, const TrackerTopics& topics) {
-  out_.write(topics.tracklets, bagTime(tracklets.header.stamp), tracklets);
+  say(topics.tracklets, bagTime(tracklets.header.stamp), tracklets);
 }
 
 void ReplayOutput::writeSmoothed(const std::vector<sightline::TrackArray>& tracks,
@@ -72,21 +99,21 @@ void ReplayOutput::writeSmoothed(const std::vector<sightline::TrackArray>& track
 }
 
 void ReplayOutput::write(const FusionResult& fused, const ros::Time& stamp) {
-  out_.write(kFusionReport, bagTime(stamp), fused.report);
+  say(kFusionReport, bagTime(stamp), fused.report);
   if (fused.tracks) write(*fused.tracks, kFusedTracks);
 }
 
 void ReplayOutput::write(const PositionResult& positions) {
   if (!positions.tracks) return;
   const ros::Time time = bagTime(positions.tracks->header.stamp);
-  out_.write(kPositionTracks, time, positions.tracks);
-  out_.write(kPositionReport, time, positions.report);
-  out_.write(kPositionPoses, time, positions.poses);
+  say(kPositionTracks, time, positions.tracks);
+  say(kPositionReport, time, positions.report);
+  say(kPositionPoses, time, positions.poses);
   ++summary_.track_messages;
 }
 
 void ReplayOutput::write(const sightline::TrackArray& tracks, const std::string& topic) {
-  out_.write(topic, bagTime(tracks.header.stamp), tracks);
+  say(topic, bagTime(tracks.header.stamp), tracks);
   ++summary_.track_messages;
 }
 

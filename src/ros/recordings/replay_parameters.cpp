@@ -36,6 +36,7 @@ std::string parametersText(const ReplaySettings& settings) {
   if (settings.positions) text += std::string("--positions: ") + (*settings.positions ? "yes" : "no") + "\n";
   if (settings.smooth) text += "--smooth: yes\n";
   if (settings.lag) text += "--lag: " + sightline::report::valueOf(*settings.lag, "s") + "\n";
+  for (const std::string& topic : settings.topics) text += "--topics: " + topic + "\n";
   if (settings.live) text += "--live: yes\n";
   return text;
 }

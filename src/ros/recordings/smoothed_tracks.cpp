@@ -26,10 +26,9 @@ SmoothedTracks::SmoothedTracks(const core::EstimatorParams& estimator, std::opti
 void SmoothedTracks::keep(const TrackerReport& report) {
   for (const core::TrackTracklet& taken : report.sightings) {
     std::vector<core::TakenSighting>& known = sightings_[taken.track];
-    const auto place = std::upper_bound(known.begin(), known.end(), taken.tracklet.time,
-                                        [](core::Time time, const core::TakenSighting& sighting) {
-                                          return time < sighting.tracklet.time;
-                                        });
+    const auto place = std::upper_bound(
+        known.begin(), known.end(), taken.tracklet.time,
+        [](core::Time time, const core::TakenSighting& sighting) { return time < sighting.tracklet.time; });
     known.insert(place, {taken.tracklet, report.noise_scale});
   }
   if (report.tracks) tracks_.push_back(report.tracks);

@@ -15,7 +15,9 @@ namespace {
 constexpr double kSigma = 0.08;
 using Sightings = std::vector<ChartedMeasurement>;
 
-Time at(double t) { return Time(durationOf(t)); }
+Time at(double t) {
+  return Time(durationOf(t));
+}
 
 Sightings charted(const std::vector<Measurement>& measurements) {
   Sightings sightings;
@@ -40,8 +42,8 @@ NogaConsistentParams straightBank(double q, double rate_sigma) {
   return params;
 }
 
-/// All positions and rates of one channel at `times` at once, by least squares over sightings, process noise and
-/// the prior of the first rate: mean and covariance of (x, v) at each time.
+/// All positions and rates of one channel at `times` at once, by least squares over sightings, process noise
+/// and the prior of the first rate: mean and covariance of (x, v) at each time.
 struct LeastSquares {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
@@ -95,7 +97,8 @@ TEST(BankSmoother, OneStraightModelGivesTheLeastSquaresSolutionAlsoBetweenSighti
 }
 
 TEST(BankSmoother, StraightFlightIsTheSameBackwardInTime) {
-  const NogaConsistentParams bank = straightBank(0.3, 1e4);  // of the first rate nothing is known, at either end
+  const NogaConsistentParams bank =
+      straightBank(0.3, 1e4);  // of the first rate nothing is known, at either end
   const Sightings forward = charted(test::sightingsOf(test::sinusoid, kSigma, 2, 3.0));
   Sightings backward(forward.rbegin(), forward.rend());
   const Time end = backward.front().measurement.time;

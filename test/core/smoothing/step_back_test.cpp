@@ -48,8 +48,7 @@ TEST(StepBack, IsTheRecursionOfRauchTungAndStriebel) {
   const Normal<4> smoothed{step.mean + Vector(1e-3, -2e-3, 0.1, 1.0), Matrix(0.5 * predicted)};
   const Matrix G = state.covariance * step.F.transpose() * predicted.inverse();
   const Vector mean = state.mean + G * (smoothed.mean - step.mean);
-  const Matrix covariance =
-      state.covariance + G * (smoothed.covariance - predicted) * G.transpose();
+  const Matrix covariance = state.covariance + G * (smoothed.covariance - predicted) * G.transpose();
   Later<4> later;
   ASSERT_TRUE(findLater(step, state.covariance, smoothed, later));
   EXPECT_GT(stepBack(state, step, later, true), kNever);

@@ -34,8 +34,8 @@ std::vector<TakenSighting> sightingsOf(double closest, double sigma, double stat
     sighting.tracklet.sensor = sensor;
     Sighting& seen = sighting.tracklet.sighting;
     seen.direction = (truth + noise).normalized();
-    seen.covariance = stated * stated *
-                      (Eigen::Matrix3d::Identity() - seen.direction * seen.direction.transpose());
+    seen.covariance =
+        stated * stated * (Eigen::Matrix3d::Identity() - seen.direction * seen.direction.transpose());
     sightings.push_back(sighting);
   }
   return sightings;
@@ -70,8 +70,8 @@ TEST_P(EveryEstimator, IsSmoothedOverTheZenithAndIsNearerThanItsFilter) {
       ASSERT_EQ(Eigen::LLT<Eigen::Matrix4d>(states[i]->covariance).info(), Eigen::Success) << t;
       if (t < 1.0) continue;
       const Eigen::Vector3d truth = direction(t, closest);
-      of_filter += std::pow(
-          angleBetween(truth, directionOf(filter.stateAt(sightings[i].tracklet.time).angles())), 2);
+      of_filter +=
+          std::pow(angleBetween(truth, directionOf(filter.stateAt(sightings[i].tracklet.time).angles())), 2);
       of_smoother += std::pow(angleBetween(truth, directionOf(states[i]->angles())), 2);
     }
     EXPECT_LT(std::sqrt(of_smoother / of_filter), 0.72) << closest;

@@ -148,6 +148,22 @@ TEST_F(Replay, EveryScanGivesTracksOfItsSensorAndOfAllSensors) {
   EXPECT_EQ(countOf(file("out.bag"), "/fusion/report"), fusions);
 }
 
+TEST_F(Replay, OnlyWantedTopicsAreWrittenAndOneThatIsNoneIsSaid) {
+  record(file("in.bag"), 0.0, 1);
+  ReplaySettings settings;
+  settings.topics = {"/fusion/tracks", "/sensors/left*", "/fusion/trakcs"};
+  const ReplaySummary summary = replay(file("in.bag"), file("out.bag"), settings);
+  EXPECT_GE(countOf(file("out.bag"), "/fusion/tracks"), 200u);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensors/left/tracks"), 200u);
+  EXPECT_EQ(countOf(file("out.bag"), "/sensors/left/associations"), 200u);
+  for (const char* topic : {"/fusion/report", "/sensors/right/tracks", "/sensors/right/associations",
+                            "/sensor_fusion/tracks", "/sensor_fusion/tracklets"})
+    EXPECT_EQ(countOf(file("out.bag"), topic), 0u) << topic;
+  EXPECT_EQ(countOf(file("out.bag"), "/left"), 200u) << "messages of the recording are copied";
+  ASSERT_EQ(summary.notices.size(), 1u);
+  EXPECT_NE(summary.notices[0].find("\"/fusion/trakcs\""), std::string::npos) << summary.notices[0];
+}
+
 TEST_F(Replay, TargetIsTrackedInTheTrackingFrameOfTheTurningPlatform) {
   record(file("in.bag"), 0.0, 1);
   replay(file("in.bag"), file("out.bag"), {});

@@ -17,8 +17,8 @@ inline Refusal invalid(std::string detail) {
   return {"invalid", std::move(detail)};
 }
 
-/// The detail as a person may read it: of one that is too long, as it quotes a name without end, the beginning
-/// and its length.
+/// The detail as a person may read it: of one that is too long, as it quotes a name without end, the
+/// beginning and its length.
 inline std::string readableDetail(const Refusal& refusal) {
   constexpr std::size_t kMostLetters = 1000;
   if (refusal.detail.size() <= kMostLetters) return refusal.detail;

@@ -22,16 +22,16 @@ struct ChartedMeasurement {
 
 /// Where a target was.
 struct SmoothedMotion {
-  AngularState state;        ///< in the chart of ...
-  std::size_t chart_of = 0;  ///< ... this sighting
+  AngularState state;                                     ///< in the chart of ...
+  std::size_t chart_of = 0;                               ///< ... this sighting
   Eigen::Vector2d noise_scale = Eigen::Vector2d::Ones();  ///< of the sightings then, over the stated [1]
 };
 
 /// The motion of one target by sightings before and after, by a bank of NOGA's response models: a pass of the
 /// filter forward, and the recursion of bank_smoothing.h back.
 ///
-/// Memory: one bank (5 kB) for each of at most 4096 sightings and one for every 4096 of the rest, of which the
-/// forward pass is taken twice. With a lag, one for each sighting within the lag.
+/// Memory: one bank (5 kB) for each of at most 4096 sightings and one for every 4096 of the rest, of which
+/// the forward pass is taken twice. With a lag, one for each sighting within the lag.
 class BankSmoother {
  public:
   /// Throws std::invalid_argument for parameters with which the filter cannot work.

@@ -18,13 +18,13 @@ namespace sightline::core {
 /// What each response model believes of the target at one time, by sightings before and after it. Angles in
 /// one chart [rad], times in seconds.
 struct SmoothedBank {
-  ResponseBank bank{1};           ///< covariances for the noise that is in it; of models of weight 0 nothing
-  ModeArray weights;              ///< probability of each model; they sum to one
-  ModeArray noise[2];             ///< by the sightings up to then, of each channel and model [1] ...
-  double noise_weight = 0.0;      ///< ... and what that counts for: NoiseLearning::weight
-  ModeArray later_noise[2];       ///< evidence of later sightings of the same, times its weight ...
-  double later_weight = 0.0;      ///< ... which is this
-  bool is_coupled = false;        ///< whether covariances of azimuth with elevation are kept
+  ResponseBank bank{1};       ///< covariances for the noise that is in it; of models of weight 0 nothing
+  ModeArray weights;          ///< probability of each model; they sum to one
+  ModeArray noise[2];         ///< by the sightings up to then, of each channel and model [1] ...
+  double noise_weight = 0.0;  ///< ... and what that counts for: NoiseLearning::weight
+  ModeArray later_noise[2];   ///< evidence of later sightings of the same, times its weight ...
+  double later_weight = 0.0;  ///< ... which is this
+  bool is_coupled = false;    ///< whether covariances of azimuth with elevation are kept
 };
 
 /// What an estimator knows at its last sighting: nothing later is known.

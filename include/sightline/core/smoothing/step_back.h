@@ -6,9 +6,9 @@
 
 #include "sightline/core/model/sphere.h"
 
-/// One step back of a linear(ised) motion of N states by what later sightings say (Rauch, Tung, Striebel 1965), in
-/// the form in which that is kept apart from what earlier ones say (Fraser and Potter 1969): so that one and the
-/// same message from later goes to every state that may have led there.
+/// One step back of a linear(ised) motion of N states by what later sightings say (Rauch, Tung, Striebel
+/// 1965), in the form in which that is kept apart from what earlier ones say (Fraser and Potter 1969): so
+/// that one and the same message from later goes to every state that may have led there.
 namespace sightline::core {
 
 constexpr double kNever = -1e300;  ///< logarithm of the evidence for what cannot be
@@ -34,8 +34,8 @@ struct Step {
   Eigen::Matrix<double, N, N> F, Q;
 };
 
-/// Inverse of a symmetric positive definite matrix by Cholesky's factors, A = L L^T. Written out, as such small
-/// matrices take Eigen's general solver several times as long, and smoothing is little else.
+/// Inverse of a symmetric positive definite matrix by Cholesky's factors, A = L L^T. Written out, as such
+/// small matrices take Eigen's general solver several times as long, and smoothing is little else.
 template <int N>
 struct Inverse {
   Eigen::Matrix<double, N, N> matrix;
@@ -104,10 +104,10 @@ bool findLater(const Step<N>& step, const Eigen::Matrix<double, N, N>& P, const 
   return true;
 }
 
-/// The state before a step, given what later sightings say of the state after: the recursion of Rauch, Tung and
-/// Striebel. Returns the logarithm of the evidence, the density of those sightings but for a factor; kNever
-/// where the numbers do not allow it. The covariance in a form that stays positive: P - G (P+ - P_s) G^T
-/// written as (I - G F) P (I - G F)^T + G (P_s + Q) G^T.
+/// The state before a step, given what later sightings say of the state after: the recursion of Rauch, Tung
+/// and Striebel. Returns the logarithm of the evidence, the density of those sightings but for a factor;
+/// kNever where the numbers do not allow it. The covariance in a form that stays positive: P - G (P+ - P_s)
+/// G^T written as (I - G F) P (I - G F)^T + G (P_s + Q) G^T.
 template <int N>
 double stepBack(Normal<N>& state, const Step<N>& step, const Later<N>& later, bool want_state) {  // (S-143)
   using Matrix = Eigen::Matrix<double, N, N>;

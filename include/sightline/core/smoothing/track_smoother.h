@@ -17,8 +17,8 @@ struct TakenSighting {
   double noise_scale = 1.0;  ///< factor on the stated variances that it has in it already, > 0
 };
 
-/// Where a target was, given the sightings of its track before and after: on the sphere what BankSmoother is in
-/// one chart. Charts follow the target as those of its filter do.
+/// Where a target was, given the sightings of its track before and after: on the sphere what BankSmoother is
+/// in one chart. Charts follow the target as those of its filter do.
 ///
 /// The covariance of a position has the slowly varying error of the sensors in it (S-42), which no sighting
 /// averages out.
@@ -27,8 +27,8 @@ class TrackSmoother {
   /// By the models of the estimator: see smoothingBankOf, which says what is refused.
   explicit TrackSmoother(const EstimatorParams& params);
 
-  /// The motions at `times` (ascending) in the tracking frame's angles, by the track's `sightings` (in order of
-  /// time); `lag` as in BankSmoother. nullopt before the first sighting.
+  /// The motions at `times` (ascending) in the tracking frame's angles, by the track's `sightings` (in order
+  /// of time); `lag` as in BankSmoother. nullopt before the first sighting.
   std::vector<std::optional<AngularState>> smooth(const std::vector<TakenSighting>& sightings,
                                                   const std::vector<Time>& times,
                                                   std::optional<double> lag = std::nullopt) const;

@@ -32,7 +32,7 @@ struct TrackerReport {
   /// With which tracks were updated, in the tracking frame; only where the tracker is told to keep them.
   std::vector<sightline::core::TrackTracklet> sightings;
   double noise_scale = 1.0;  ///< factor on the stated variances that they have in them already
-  std::size_t rejected = 0;                       ///< sightings with REJECTED_INPUT
+  std::size_t rejected = 0;  ///< sightings with REJECTED_INPUT
   std::optional<sightline::core::Refusal> refusal;     ///< why the scan was not used
   std::vector<sightline::core::SensorChange> changes;  ///< of sensors' verdicts; mostly none
   std::string notice;      ///< what else an operator must know (stamps that jump); mostly empty

@@ -52,8 +52,8 @@ class TrackFusionNode {
   ros::Publisher tracks_;
   ros::Publisher report_;
   std::vector<ros::Subscriber> subscribers_;
-  ros::Timer end_of_wait_;      // of reports for others
-  bool is_wait_timed_ = false;  // the timer runs
+  ros::Timer end_of_wait_;                             // of reports for others
+  bool is_wait_timed_ = false;                         // the timer runs
   std::vector<ros::Subscriber> tracklet_subscribers_;  // none while the rule makes no use of tracklets
   std::optional<ReconfigureServer> reconfigure_server_;
   std::optional<PeriodicDiagnostics> diagnostics_;

@@ -21,8 +21,12 @@ struct ReplaySettings {
   bool live = false;      ///< scans count as late, and wait for transforms, as in live trackers
   /// Positions instead of fused directions; nullopt = where stations stand more than a metre apart.
   std::optional<bool> positions = std::nullopt;
-  bool smooth = false;  ///< also write each local tracker's tracks smoothed, given earlier and later sightings
+  bool smooth =
+      false;  ///< also write each local tracker's tracks smoothed, given earlier and later sightings
   std::optional<double> lag = std::nullopt;  ///< only sightings up to so much later are used [s], >= 0
+  /// Of what trackers, fusion and positions say, only these topics are written; a * at the end of one stands
+  /// for any rest of a name. Empty = all.
+  std::vector<std::string> topics = {};
 };
 
 /// What a replay did.

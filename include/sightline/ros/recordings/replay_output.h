@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -30,8 +31,8 @@ struct TrackerTopics {
 /// Writes the bag of a replay and counts in its summary what is written.
 class ReplayOutput {
  public:
-  /// Both must outlive this.
-  ReplayOutput(rosbag::Bag& out, ReplaySummary& summary);
+  /// Bag and summary must outlive this. `wanted`: as ReplaySettings::topics.
+  ReplayOutput(rosbag::Bag& out, ReplaySummary& summary, const std::vector<std::string>& wanted);
 
   /// The replay publishes on these topics: recorded messages on them are not copied.
   void replace(const TrackerTopics& topics);
@@ -58,12 +59,18 @@ class ReplayOutput {
   /// The positions that came of a message, if any.
   void write(const PositionResult& positions);
 
+  /// Those of the wanted topics on which nothing was written.
+  std::vector<std::string> unwritten() const;
+
  private:
+  template <typename Message>
+  void say(const std::string& topic, const ros::Time& time, const Message& message);
   void write(const sightline::TrackArray& tracks, const std::string& topic);
 
   rosbag::Bag& out_;
   ReplaySummary& summary_;
-  std::set<std::string> replaced_;  // topics
+  std::set<std::string> replaced_;      // topics
+  std::map<std::string, bool> wanted_;  // and whether anything was written on them; none = all topics are
 };
 
 }  // namespace sightline_ros
