@@ -28,6 +28,13 @@
 /// the test: /chaos/nodes and /chaos/nodelets (which of them there are), /chaos/long (the long list of
 /// events, for bench/chaos).
 class Chaos : public testing::Test {
+ public:
+  /// Where the target is: (azimuth, elevation) [rad].
+  static Eigen::Vector2d truthAt(ros::Time stamp) {
+    const double time = std::fmod(stamp.toSec(), 1e5);
+    return {0.3 + 0.2 * std::sin(0.7 * time), 0.15 * std::cos(0.5 * time)};
+  }
+
  protected:
   static constexpr double kSigma = 1e-3;  // of the sightings [rad]
   static constexpr double kInterval = 1.0 / 30.0;
@@ -50,11 +57,6 @@ class Chaos : public testing::Test {
     })) << "a tracker is missing";
     settleFromNow();
     ASSERT_TRUE(until([this] { return areSettled(); })) << "the target is not found at all; " << describe();
-  }
-
-  static Eigen::Vector2d truthAt(ros::Time stamp) {
-    const double time = std::fmod(stamp.toSec(), 1e5);
-    return {0.3 + 0.2 * std::sin(0.7 * time), 0.15 * std::cos(0.5 * time)};
   }
 
   /// Plays the sensors until the condition holds.

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <signal.h>
 #include <string>
 #include <sys/prctl.h>
@@ -12,10 +13,11 @@
 #include <vector>
 
 #include "support/command.h"
+#include "support/link_relay.h"
 
-/// A network of two machines and a switch between them, of which the cable can be drawn: three network
-/// namespaces that end with this test. This process is in the near one; neither machine notices when the link
-/// is cut.
+/// A network of two machines and a switch between them, of which the cable can be drawn, or be made a bad
+/// one: three network namespaces that end with this test. This process is in the near one; neither machine
+/// notices when the link is cut.
 class CutLink {
  public:
   static constexpr const char* kNear = "10.77.0.1";
@@ -47,8 +49,12 @@ class CutLink {
     switch_ = holdNamespace();
     far_ = holdNamespace();
     run("ip link set lo up");
-    run("ip link add near type veth peer name near_port netns " + std::to_string(switch_));
-    run(inSwitch("ip link add far_port type veth peer name far netns " + std::to_string(far_)));
+    for (const std::string end : {"near", "far"}) {
+      run("ip link add " + end + " type veth peer name " + end + "_port");
+      if (!LinkRelay::sendsWholeFrames(end)) fail("no whole frames from the device " + end);
+      run("ip link set " + end + "_port netns " + std::to_string(switch_));
+    }
+    run("ip link set far netns " + std::to_string(far_));
     run(inSwitch("ip link add switch type bridge"));
     for (const char* link : {"near_port", "far_port"})
       run(inSwitch(std::string("ip link set ") + link + " master switch up"));
@@ -58,6 +64,7 @@ class CutLink {
     run(inFar(std::string("ip address add ") + kFar + "/24 dev far"));
     run(inFar("ip link set lo up"));
     run(inFar("ip link set far up"));
+    relay_ = std::make_unique<LinkRelay>(switch_, "near_port", "far_port");
   }
 
   ~CutLink() {
@@ -74,7 +81,24 @@ class CutLink {
   const std::string& whyNot() const { return why_not_; }
 
   void cut() { run(inSwitch("ip link set far_port nomaster")); }
-  void join() { run(inSwitch("ip link set far_port master switch")); }
+  void join() {
+    if (!relay_->impair({})) fail("the relay has ended");
+    for (const char* port : {"near_port", "far_port"})
+      run(inSwitch(std::string("ip link set ") + port + " master switch"));
+  }
+
+  /// Until `join` frames are lost with that probability and come so much later [s], in both directions.
+  void impair(double loss, double delay) {
+    for (const char* port : {"near_port", "far_port"})
+      run(inSwitch(std::string("ip link set ") + port + " nomaster"));
+    if (!relay_->impair({true, loss, delay})) fail("the relay has ended");
+  }
+
+  /// Sets a variable of both machines' networks, "net/ipv4/..."; whether the kernel has it.
+  bool set(const std::string& variable, int value) const {
+    const std::string command = "sh -c 'echo " + std::to_string(value) + " > /proc/sys/" + variable + "'";
+    return outcomeOf(command).first == 0 && outcomeOf(inFar(command)).first == 0;
+  }
 
   /// Runs what follows on the far machine.
   std::vector<std::string> onFar() const {
@@ -116,6 +140,11 @@ class CutLink {
     if (code != 0) why_not_ = command + ": " + printed;
   }
 
+  void fail(const std::string& what) {
+    if (why_not_.empty()) why_not_ = what;
+  }
+
   std::string why_not_;
+  std::unique_ptr<LinkRelay> relay_;
   pid_t switch_ = -1, far_ = -1;
 };

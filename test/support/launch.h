@@ -9,15 +9,10 @@
 
 #include "support/waiting.h"
 
-/// roslaunch of one of the package's files under way; it is ended with the object.
-class Launch {
+/// A command under way; it is ended with the object.
+class CommandUnderWay {
  public:
-  /// `prefix`: a command that runs roslaunch, with its arguments.
-  Launch(const std::string& file, const std::vector<std::string>& arguments,
-         const std::vector<std::string>& prefix = {}) {
-    std::vector<std::string> words = prefix;
-    words.insert(words.end(), {"roslaunch", "--no-summary", "sightline", file});
-    words.insert(words.end(), arguments.begin(), arguments.end());
+  explicit CommandUnderWay(std::vector<std::string> words) {
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
@@ -28,14 +23,14 @@ class Launch {
     }
   }
 
-  ~Launch() {
+  ~CommandUnderWay() {
     if (exitCode()) return;
     kill(pid_, SIGINT);
     waitpid(pid_, nullptr, 0);
   }
 
-  Launch(const Launch&) = delete;
-  Launch& operator=(const Launch&) = delete;
+  CommandUnderWay(const CommandUnderWay&) = delete;
+  CommandUnderWay& operator=(const CommandUnderWay&) = delete;
 
   /// Serves callbacks until it has ended; false when it has not within `patience` [s].
   bool endsWithin(double patience) {
@@ -54,4 +49,21 @@ class Launch {
  private:
   pid_t pid_ = -1;
   std::optional<int> exit_code_;
+};
+
+/// roslaunch of one of the package's files under way; it is ended with the object.
+class Launch : public CommandUnderWay {
+ public:
+  /// `prefix`: a command that runs roslaunch, with its arguments.
+  Launch(const std::string& file, const std::vector<std::string>& arguments,
+         const std::vector<std::string>& prefix = {})
+      : CommandUnderWay(wordsOf(file, arguments, prefix)) {}
+
+ private:
+  static std::vector<std::string> wordsOf(const std::string& file, const std::vector<std::string>& arguments,
+                                          std::vector<std::string> words) {
+    words.insert(words.end(), {"roslaunch", "--no-summary", "sightline", file});
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    return words;
+  }
 };
