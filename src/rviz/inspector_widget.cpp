@@ -89,7 +89,7 @@ InspectorWidget::InspectorWidget(Access access, const sightline_ros::SensorColou
   auto* splitter = new QSplitter(Qt::Vertical);
   tracks_ = new TrackTable(this);
   sorted_ = new SortedTracks(tracks_, this);
-  track_view_ = view(sorted_, {52, 90, 34, 76, 44, 50, 72, 70});
+  track_view_ = view(sorted_, {52, 84, 34, 74, 44, 50, 70, 80});
   track_view_->setObjectName("tracks");
   track_view_->setSortingEnabled(true);
   track_view_->sortByColumn(TrackTable::kKind, Qt::AscendingOrder);

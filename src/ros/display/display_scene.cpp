@@ -14,6 +14,7 @@ namespace {
 
 namespace core = sightline::core;
 
+constexpr double kTentativeOpacity = 0.25;
 constexpr double kGateOpacity = 0.035;
 constexpr std::size_t kMostFullLabels = 3;                   // of more tracks only the numbers are written
 constexpr double kShortLabelDistance = 2.5 * core::kDegree;  // of a number alone, from the track
@@ -85,6 +86,11 @@ bool DisplayScene::isHidden(const SightingMemory::Seen& sighting) const {
   if (!looked_at_ || !looked_at_->alone) return false;
   const sightline::Track* track = trackLookedAt();
   return track == nullptr || !isNearGate(track->gate, sighting.direction);
+}
+
+/// Gates of tentative tracks may be as wide as the sky, and there are many.
+bool DisplayScene::hasGate(const std::string& channel, const sightline::Track& track) const {
+  return isEstablished(track) || params_.tentative_gates || isLookedAt(channel, track.id);
 }
 
 /// nullptr when it is not there at present.
@@ -165,7 +171,7 @@ void DisplayScene::drawLocalTracks(MarkerArray& array, const std::string& channe
     if (isHidden(channel, track.id)) continue;
     const core::AngularState state = toCore(track).state;
     drawDot(dots, params_.canvas, core::directionOf(state.angles()),
-            withAlpha(colour, isEstablished(track) ? 1.0 : 0.4));
+            withAlpha(colour, isEstablished(track) ? 1.0 : kTentativeOpacity));
     if (!isEstablished(track)) continue;
     drawUncertainty(ellipses, params_.canvas, state, dimmed(colour, 0.65));
     if (track.sources.size() > 1) drawSources(sources, track, now);
@@ -198,7 +204,7 @@ void DisplayScene::drawGates(MarkerArray& array, const std::string& channel) con
     Marker rims = lineSheet(params_.canvas, name, 0.1 * core::kDegree);
     rims.id = 1;
     for (const sightline::Track& track : tracker.newest().tracks) {
-      if (isHidden(channel, track.id)) continue;
+      if (isHidden(channel, track.id) || !hasGate(channel, track)) continue;
       if (outcomeOf(track, tracker.wasClaimed(track.id)) != outcome) continue;
       const auto rectangle = rectangleOf(track.gate);
       if (!rectangle) continue;

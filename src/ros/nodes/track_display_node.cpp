@@ -70,6 +70,7 @@ TrackDisplayParams loadTrackDisplayParams(const ParamReader& reader) {
       reader.number("sighting_time", params.scene.sighting_time, between(0.05, 60.0), "s");
   params.scene.history = reader.number("history", params.scene.history, between(0.1, 600.0), "s");
   params.scene.prediction = reader.number("prediction", params.scene.prediction, between(0.0, 60.0), "s");
+  params.scene.tentative_gates = reader.flag("tentative_gates", params.scene.tentative_gates);
   params.scene.silence = reader.number("silence", params.scene.silence, between(0.1, 60.0), "s");
   params.main_topic = reader.text("main_topic", params.main_topic);
   params.truth_topic = reader.text("truth_topic", params.truth_topic);

@@ -78,6 +78,24 @@ class Scene : public testing::Test {
   DisplayScene scene{params, SensorColours({"left", "right"})};
 };
 
+TEST_F(Scene, TentativeTracksHaveNoGateUnlessLookedAtOrAskedFor) {
+  sightline::Track young = track(7, 0.0, 0.0);
+  young.status = sightline::Track::TENTATIVE;
+  const char* const kGates = "gates: tentative (yellow)";
+  scene.addTracks("left", report(1.0, {young, track(8, 1.0, 0.0)}), 1.0);
+  const Sheets usual = scene.draw(1.0);
+  EXPECT_EQ(find(usual, "left", kGates), nullptr);
+  EXPECT_NE(find(usual, "left", "gates: accepted (green)"), nullptr);
+  EXPECT_LT(find(usual, "left", "tracks")->colors[0].a, find(usual, "left", "tracks")->colors[1].a)
+      << "faint";
+  scene.lookAt(sightline_ros::LookedAt{"left", 7, false});
+  EXPECT_NE(find(scene.draw(1.0), "left", kGates), nullptr);
+  params.tentative_gates = true;
+  DisplayScene with_gates{params, SensorColours({"left"})};
+  with_gates.addTracks("left", report(1.0, {young}), 1.0);
+  EXPECT_NE(find(with_gates.draw(1.0), "left", kGates), nullptr);
+}
+
 TEST_F(Scene, TheTrackLookedAtHasACircle) {
   scene.addTracks(DisplayScene::kMainChannel, report(1.0, {track(1, 0.0, 0.0), track(2, 1.0, 0.0)}), 1.0);
   EXPECT_EQ(find(scene.draw(1.0), DisplayScene::kMainChannel, "selected"), nullptr);

@@ -21,10 +21,11 @@ namespace sightline_ros {
 /// How much is drawn. Times are of receipt, except for `history`, which is of stamps.
 struct DisplayParams {
   Canvas canvas;
-  double sighting_time = 0.6;  ///< a sighting is shown for so long, fading [s]
-  double history = 4.0;        ///< of tracks and truth that is drawn as a trail [s]
-  double prediction = 1.0;     ///< of the main track's motion that is drawn ahead [s]
-  double silence = 1.5;        ///< after which the things of a silent topic vanish [s]
+  double sighting_time = 0.6;    ///< a sighting is shown for so long, fading [s]
+  double history = 4.0;          ///< of tracks and truth that is drawn as a trail [s]
+  double prediction = 1.0;       ///< of the main track's motion that is drawn ahead [s]
+  bool tentative_gates = false;  ///< of all tentative tracks; otherwise only of one that is looked at
+  double silence = 1.5;          ///< after which the things of a silent topic vanish [s]
 };
 
 /// The track that a person looks at.
@@ -69,6 +70,7 @@ class DisplayScene {
 
   bool isLookedAt(const std::string& channel, std::uint32_t track) const;
   bool isHidden(const std::string& channel, std::uint32_t track) const;
+  bool hasGate(const std::string& channel, const sightline::Track& track) const;
   bool isHidden(const SightingMemory::Seen& sighting) const;
   const sightline::Track* trackLookedAt() const;
   bool isPresent(const TrackMemory& memory, double now) const;
