@@ -263,7 +263,9 @@ void TrackDisplayNode::aimView() {
   view_broadcaster_.sendTransform(transform);
 }
 
+/// rviz forgets all markers when simulated time goes back, as of a recording that begins again.
 void TrackDisplayNode::repeatWhatStays() {
+  grid_publisher_.publish(gridMarkers(params_.scene.canvas));
   publishFieldsOfView();
   aimed_.reset();  // of the latched transforms of a process only the last is kept: another nodelet's, maybe
   aimView();

@@ -87,7 +87,7 @@ class InspectorModel {
   static constexpr double kSpan = 60.0;                ///< of arrival that is kept [s]
   static constexpr std::size_t kMostTopics = 128;      ///< of tracks; of further ones nothing is kept
   static constexpr std::size_t kMostTracks = 5000;     ///< of one message; further ones are not shown
-  static constexpr std::size_t kMostSamples = 400000;  ///< of where tracks stood, 16 MB
+  static constexpr std::size_t kMostSamples = 400000;  ///< of where tracks stood, 13 MB
   static constexpr double kSamplePeriod = 0.2;         ///< between two of one track [s]
   static constexpr double kSilence = 1.5;              ///< from which a topic counts as silent [s]
   static constexpr double kForgotten = 10.0;           ///< from which its tracks are not shown [s]
