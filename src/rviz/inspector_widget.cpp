@@ -234,8 +234,14 @@ std::vector<TrackRow> InspectorWidget::shownRows() const {
 
 void InspectorWidget::setSaveWords(const QString& words, bool is_under_way) {
   save_->setEnabled(!is_under_way);
-  words_->setText(words);
-  words_->setVisible(!words.isEmpty());
+  save_words_ = words;
+  showWords();
+}
+
+void InspectorWidget::showWords() {
+  const QString between = notice_.isEmpty() || save_words_.isEmpty() ? "" : "\n";
+  words_->setText(notice_ + between + save_words_);
+  words_->setVisible(!words_->text().isEmpty());
 }
 
 void InspectorWidget::refresh() {
@@ -257,7 +263,9 @@ void InspectorWidget::refreshTables() {
     support = model.support();
     sensors = model.sensors();
     changes = model.verdictChanges();
+    notice_ = text(model.notice());
   });
+  showWords();
   showRows(rows);
   showSightings(lines);
   showSupport(support);

@@ -237,6 +237,15 @@ TEST_F(InspectorWidgetTest, TracksThatComeAndGoKeepTheOthersInTheirRows) {
   EXPECT_EQ(table("tracks")->currentIndex().row(), 1) << "the row of track 3 is still the marked one";
 }
 
+TEST_F(InspectorWidgetTest, TellsThatThereAreMoreTopicsThanItShows) {
+  for (std::size_t i = 0; i <= InspectorModel::kMostTopics; ++i)
+    model_.take("/t" + std::to_string(i) + "/tracks", tracksOf("t", 100.0, {1}), at(100.0));
+  widget_.refreshTables();
+  widget_.setSaveWords("saved /tmp/a.bag", false);
+  EXPECT_EQ(widget_.findChild<QLabel*>("words")->text(),
+            "more than 128 topics of tracks: further ones are not shown\nsaved /tmp/a.bag");
+}
+
 TEST(TrackPlots, TicksAreRoundNumbersWithinTheAxis) {
   EXPECT_EQ((Axis{-60.0, 0.0, false}.ticks()), (std::vector<double>{-60, -50, -40, -30, -20, -10, 0}));
   EXPECT_EQ((Axis{-2.0, 2.0, false}.ticks()), (std::vector<double>{-2, -1, 0, 1, 2}));

@@ -62,6 +62,7 @@ class InspectorWidget : public QWidget {
   QWidget* tables();
   QTableView* view(QAbstractItemModel* model, const QList<int>& widths);
   void onRowClicked();
+  void showWords();
   void showRows(const std::vector<sightline_ros::TrackRow>& rows);
   void showDetail(const std::optional<sightline_ros::TrackDetail>& detail);
   void showSightings(const std::vector<sightline_ros::SightingLine>& lines);
@@ -94,6 +95,7 @@ class InspectorWidget : public QWidget {
   TextTable* support_ = nullptr;
   TextTable* sensors_ = nullptr;
   TextTable* changes_ = nullptr;
+  QString save_words_, notice_;  // what words_ shows
   QTimer timer_;
   bool is_selecting_ = false;  // by `select`, not by a person
 };
