@@ -176,7 +176,7 @@ SmoothedBank nothingLater(const NogaConsistentEstimator& estimator) {
 }
 
 SmoothedBank smoothedBack(const BankStep& step, const std::vector<ResponseModel>& models,
-                          const SmoothedBank& later) {  // (S-143), (S-144)
+                          const SmoothedBank& later) {  // (S-145)
   const Eigen::Index count = later.weights.size();
   const ModeArray& before = step.chain.probabilities();
   const ModeArray own = step.chain.ownShares(step.units());
@@ -271,7 +271,7 @@ BankStep remainderOf(const BankStep& step, const std::vector<ResponseModel>& mod
 namespace {
 
 /// Of each model, by all sightings.
-Eigen::Vector2d noiseOf(const SmoothedBank& smoothed, Eigen::Index model) {  // (S-145)
+Eigen::Vector2d noiseOf(const SmoothedBank& smoothed, Eigen::Index model) {  // (S-146)
   const double weight = smoothed.noise_weight + smoothed.later_weight;
   Eigen::Vector2d noise;
   for (int c = 0; c < 2; ++c) {

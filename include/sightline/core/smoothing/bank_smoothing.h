@@ -12,7 +12,7 @@
 #include "sightline/core/model/sphere.h"
 
 /// Backward smoothing of NOGA's bank: the recursion of Rauch, Tung and Striebel 1965 for each response model,
-/// and a mode chain that is followed back (Kim 1994; Nadarajah, Tharmarasa, McDonald, Kirubarajan 2012).
+/// and the mode chain followed back (Kim 1994; Barber 2006; Nadarajah, Tharmarasa, McDonald, Kirubarajan 2012).
 namespace sightline::core {
 
 /// What each response model believes of the target at one time, by sightings before and after it. Angles in
@@ -31,7 +31,7 @@ struct SmoothedBank {
 SmoothedBank nothingLater(const NogaConsistentEstimator& estimator);
 
 /// What is known at the beginning of a step, given what is known at its end. `models`: of the bank.
-// (S-143), (S-144)
+// (S-145)
 SmoothedBank smoothedBack(const BankStep& step, const std::vector<ResponseModel>& models,
                           const SmoothedBank& later);
 
