@@ -12,6 +12,8 @@ namespace sightline::core {
 namespace {
 
 constexpr double kLeastWeight = 5e-4;  // of a model that is still followed back
+constexpr double kLongStep = 0.2;      // [units of time]
+constexpr int kIterations = 4;         // of a long step that is not linear
 constexpr double kLeastDrawn = 1e-3;   // probability of having been drawn that is looked into
 constexpr double kLeastSource = 1e-3;  // of a model before, from which one may have been drawn
 
@@ -107,8 +109,15 @@ class WayBack {
       setBoth(belief, both);
     } else {
       for (int c = 0; c < 2; ++c) {
-        Normal<4> one{belief.mean[c], belief.covariance[c]};
-        evidence += stepBack(one, stepOf(belief, c), one_[c], want_belief);
+        const Normal<4> before{belief.mean[c], belief.covariance[c]};
+        Normal<4> one = before;
+        double found = stepBack(one, stepOf(belief, c), one_[c], want_belief);
+        for (int again = 0; again < iterations() && found > kNever; ++again) {
+          const Step<4> step = stepAbout(one.mean, belief, c);
+          one = before;
+          found = stepBack(one, step, one_[c], true);
+        }
+        evidence += found;
         belief.mean[c] = one.mean;
         belief.covariance[c] = one.covariance;
       }
@@ -132,6 +141,21 @@ class WayBack {
     step.Q.topLeftCorner<3, 3>() *= step_->amplitude.squared(c) * noise;
     step.mean.head<3>().noalias() = step.F.topLeftCorner<3, 3>() * mean.head<3>();
     step.mean(3) = transition_.mean(3);
+    return step;
+  }
+
+  /// How often a step is linearised again about what was found: over a gap a harmonic is far from linear.
+  int iterations() const {
+    const bool is_long = step_->units() > kLongStep;
+    return is_long && model_->kind == ResponseModel::Kind::harmonic ? kIterations : 0;
+  }
+
+  /// The step, linearised about another state than the belief's.
+  Step<4> stepAbout(const Eigen::Vector4d& state, const ResponseBelief& belief, int c) const {
+    ResponseBelief there = belief;
+    there.mean[c] = state;
+    Step<4> step = stepOf(there, c);
+    step.mean += step.F * (belief.mean[c] - state);
     return step;
   }
 
