@@ -86,7 +86,7 @@ std::pair<double, double> errorOf(const std::vector<sightline::TrackArray>& mess
 class SmoothedReplay : public testing::Test {
  protected:
   std::string file(const std::string& name) const { return folder_.file(name); }
-  sightline::test::ScratchFolder folder_;
+  ScratchFolder folder_;
 };
 
 TEST_F(SmoothedReplay, WritesTheTracksOnceMoreNearerToTheTargetsAndAllElseAsWithout) {
