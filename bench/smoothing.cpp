@@ -2,8 +2,9 @@
 //
 //   smoothing [--runs N] [--threads N]
 //
-// NOGA with its default settings, one sensor, no tracker. Lags are tried on the first scenario alone. Figures come from fixed seeds and do not depend on
-// the number of threads, but for the times, which are of one thread. +- is the 95 % band over runs.
+// NOGA with its default settings, one sensor, no tracker. Lags are tried on the first scenario alone. Figures
+// come from fixed seeds and do not depend on the number of threads, but for the times, which are of one
+// thread. +- is the 95 % band over runs.
 
 #include <algorithm>
 #include <cmath>
@@ -160,15 +161,16 @@ void printScenarios(const std::vector<Scenario>& scenarios, const char* title, c
     std::vector<Ratio> ratios;
     double time[kMethods] = {};
     for (const Scenario& scenario : scenarios)
-      ratios.push_back(printScenario(scenario, sigma, settings, ratios.empty() ? kMethods : kWithoutLag, time));
+      ratios.push_back(
+          printScenario(scenario, sigma, settings, ratios.empty() ? kMethods : kWithoutLag, time));
     const Ratio mean = geometricMean(ratios);
     std::printf("smoother over filter: geometric mean %.3f +-%.3f, aim <= 0.72 %s; %s %.3f %s\n", mean.value,
                 mean.value * mean.log_band, mark(mean.value <= 0.72), scenarios[0].name.c_str(),
                 ratios[0].value, mark(ratios[0].value <= 0.72));
     std::printf("processor time of one sighting [us]:");
     const auto count = static_cast<double>(scenarios.size());
-    std::printf(" filter %.2f, smoother %.2f (%.1f), aim <= 3.0 %s;", 1e6 * time[0] / count, 1e6 * time[1] / count,
-                time[1] / time[0], mark(time[1] <= 3.0 * time[0]));
+    std::printf(" filter %.2f, smoother %.2f (%.1f), aim <= 3.0 %s;", 1e6 * time[0] / count,
+                1e6 * time[1] / count, time[1] / time[0], mark(time[1] <= 3.0 * time[0]));
     for (std::size_t k = kWithoutLag; k < kMethods; ++k) std::printf(" %s %.0f", kAll[k].name, 1e6 * time[k]);
     std::printf("\n");
   }

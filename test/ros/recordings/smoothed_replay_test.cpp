@@ -43,7 +43,8 @@ void recordSinusoid(const std::string& file) {
       scan.header.stamp = ros::Time(stamp);
       scan.header.frame_id = "platform_enu";
       scan.sensor = sensor;
-      scan.ifov = scan.detection_probability = scan.clutter_density = std::numeric_limits<double>::quiet_NaN();
+      scan.ifov = scan.detection_probability = scan.clutter_density =
+          std::numeric_limits<double>::quiet_NaN();
       if (i < 150 || i >= 180) {
         sightline::Sighting sighting;
         sighting.azimuth = azimuthAt(scan.header.stamp.toSec()) + noise(random);
@@ -66,7 +67,8 @@ std::vector<sightline::TrackArray> messagesOf(const std::string& file, const std
   return messages;
 }
 
-/// Root mean square error of the azimuth from two seconds on [rad], and the mean of its square over the variance.
+/// Root mean square error of the azimuth from two seconds on [rad], and the mean of its square over the
+/// variance.
 std::pair<double, double> errorOf(const std::vector<sightline::TrackArray>& messages) {
   double square = 0.0, nees = 0.0;
   int count = 0;

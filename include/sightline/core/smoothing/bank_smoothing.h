@@ -12,7 +12,8 @@
 #include "sightline/core/model/sphere.h"
 
 /// Backward smoothing of NOGA's bank: the recursion of Rauch, Tung and Striebel 1965 for each response model,
-/// and the mode chain followed back (Kim 1994; Barber 2006; Nadarajah, Tharmarasa, McDonald, Kirubarajan 2012).
+/// and the mode chain followed back (Kim 1994; Barber 2006; Nadarajah, Tharmarasa, McDonald, Kirubarajan
+/// 2012).
 namespace sightline::core {
 
 /// What each response model believes of the target at one time, by sightings before and after it. Angles in
