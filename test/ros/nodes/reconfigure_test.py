@@ -4,6 +4,7 @@ import math
 import os
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -20,6 +21,10 @@ from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.msg import Config, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
 from rosgraph_msgs.msg import Log
+
+# Our messages lie in the devel space, which the environment that catkin keeps from before the first build does not name.
+for prefix in os.environ.get('CMAKE_PREFIX_PATH', '').split(':'):
+    sys.path.append(os.path.join(prefix, 'lib/python3/dist-packages'))
 from sightline.msg import AssociationArray, FusionReport, Sighting, SightingArray, Track, TrackArray, TrackletArray
 
 FORMS = ['/node', '/nodelet']
