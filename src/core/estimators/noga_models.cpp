@@ -66,9 +66,9 @@ void turn(ResponseBelief& belief, const Eigen::Matrix3d& R_new_old) {
   using Vector8d = Eigen::Matrix<double, 8, 1>;
   using Matrix8d = Eigen::Matrix<double, 8, 8>;
   const auto turned = [&](const Vector8d& x) {
-    Motion<6> motion;
-    motion.mean << x(0), x(4), x(1), x(5), x(2), x(6);
-    const Eigen::Matrix<double, 6, 1> y = rotateMotion(motion, R_new_old).mean;
+    Eigen::Matrix<double, 6, 1> mean;
+    mean << x(0), x(4), x(1), x(5), x(2), x(6);
+    const Eigen::Matrix<double, 6, 1> y = rotateMean(mean, R_new_old);
     return (Vector8d() << y(0), y(2), y(4), x(3), y(1), y(3), y(5), x(7)).finished();
   };
   Vector8d x;

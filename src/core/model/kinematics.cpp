@@ -6,9 +6,10 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Angles, rates and accelerations seen from a frame turned by R: with J = d angles_to / d angles, rates_to =
-/// J rates and accelerations_to = J accelerations + dJ/dt rates.
-Vector6 rotated(const Vector6& motion, const Eigen::Matrix3d& R) {
+}  // namespace
+
+/// With J = d angles_to / d angles, rates_to = J rates and accelerations_to = J accelerations + dJ/dt rates.
+Vector6 rotateMean(const Vector6& motion, const Eigen::Matrix3d& R) {
   const Eigen::Matrix4d jacobian = rotateStateJacobian(motion.head<4>(), R);
   const Eigen::Matrix2d J = jacobian.topLeftCorner<2, 2>();
   const Eigen::Matrix2d J_rate = jacobian.bottomLeftCorner<2, 2>();
@@ -17,8 +18,6 @@ Vector6 rotated(const Vector6& motion, const Eigen::Matrix3d& R) {
   result << rotateAngles(motion.head<2>(), R), J * rates, J * accelerations + J_rate * rates;
   return result;
 }
-
-}  // namespace
 
 Motion<4> rotateMotion(const Motion<4>& motion, const Eigen::Matrix3d& R_new_old) {  // (S-14)
   const AngularState state = rotateState(motion.angularState(), R_new_old);
@@ -30,11 +29,12 @@ Motion<6> rotateMotion(const Motion<6>& motion, const Eigen::Matrix3d& R_new_old
   // step of 1e-4 rad leaves a relative error of about 1e-8.
   constexpr double kStep = 1e-4;
   Motion<6> result;
-  result.mean = rotated(motion.mean, R_new_old);
+  result.mean = rotateMean(motion.mean, R_new_old);
   Matrix6 jacobian;
   for (int i = 0; i < 6; ++i) {
     const Vector6 step = kStep * Vector6::Unit(i);
-    Vector6 difference = rotated(motion.mean + step, R_new_old) - rotated(motion.mean - step, R_new_old);
+    Vector6 difference =
+        rotateMean(motion.mean + step, R_new_old) - rotateMean(motion.mean - step, R_new_old);
     difference(0) = wrapAngle(difference(0));
     jacobian.col(i) = difference / (2.0 * kStep);
   }

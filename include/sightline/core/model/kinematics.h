@@ -130,6 +130,10 @@ InnovationLikelihood condition(Motion<N>& motion, const Eigen::Vector2d& positio
   return {innovation(0) * innovation(0) * per_s00 + second * second * per_d, s00 * d};
 }
 
+/// Positions, rates and accelerations of two channels in a frame turned by R_new_old (constant in time).
+Eigen::Matrix<double, 6, 1> rotateMean(const Eigen::Matrix<double, 6, 1>& mean,
+                                       const Eigen::Matrix3d& R_new_old);
+
 /// The same motion in a frame turned by R_new_old (constant in time). Means transform exactly; the covariance
 /// by the Jacobian, which for N = 6 is taken numerically.
 Motion<4> rotateMotion(const Motion<4>& motion, const Eigen::Matrix3d& R_new_old);
