@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "number_option.h"
 #include "tables.h"
 
 #ifndef SIGHTLINE_SHARED_DIR
@@ -37,19 +38,6 @@ constexpr Table kTables[] = {{"paper", printPaper},
                              {"degraded", printDegraded},
                              {"track-fusion", printTrackFusion},
                              {"beats-best", printBeatsBest}};
-
-int numberOf(const std::string& option, const std::string& text, int least) {
-  std::size_t used = 0;
-  int value = 0;
-  try {
-    value = std::stoi(text, &used);
-  } catch (const std::exception&) {
-  }
-  if (used == 0 || used != text.size() || value < least)
-    throw std::invalid_argument(option + ": expected a number from " + std::to_string(least) + " on, got \"" +
-                                text + "\"");
-  return value;
-}
 
 std::string tableNames() {
   std::string names;

@@ -21,6 +21,7 @@
 #include "sightline/core/smoothing/bank_smoother.h"
 
 #include "monte_carlo.h"
+#include "number_option.h"
 #include "parallel.h"
 #include "processor_time.h"
 #include "scenarios.h"
@@ -174,19 +175,6 @@ void printScenarios(const std::vector<Scenario>& scenarios, const char* title, c
     for (std::size_t k = kWithoutLag; k < kMethods; ++k) std::printf(" %s %.0f", kAll[k].name, 1e6 * time[k]);
     std::printf("\n");
   }
-}
-
-int numberOf(const std::string& option, const std::string& text, int least) {
-  std::size_t used = 0;
-  int value = 0;
-  try {
-    value = std::stoi(text, &used);
-  } catch (const std::exception&) {
-  }
-  if (used == 0 || used != text.size() || value < least)
-    throw std::invalid_argument(option + ": expected a number from " + std::to_string(least) + " on, got \"" +
-                                text + "\"");
-  return value;
 }
 
 void run(int argc, char** argv) {

@@ -163,18 +163,7 @@ std::string Reconfiguration::whyFixed(const std::string& key) const {
 }
 
 std::string shortText(XmlRpcValue value) {
-  switch (value.getType()) {
-    case XmlRpcValue::TypeBoolean:
-      return static_cast<bool>(value) ? "true" : "false";
-    case XmlRpcValue::TypeInt:
-      return std::to_string(static_cast<int>(value));
-    case XmlRpcValue::TypeDouble:
-      return shortestText(static_cast<double>(value));
-    case XmlRpcValue::TypeString:
-      return static_cast<std::string>(value);
-    default:
-      return textOf(value);
-  }
+  return value.getType() == XmlRpcValue::TypeString ? static_cast<std::string>(value) : textOf(value);
 }
 
 }  // namespace sightline_ros

@@ -86,7 +86,6 @@ class Replay {
   void follow(const SightingArray::ConstPtr& scan);
   std::vector<TrackerReport> track(Tracker& tracker, const SightingArray::ConstPtr& scan);
   void use(const Tracker& tracker, const std::vector<TrackerReport>& reports);
-  void fuse(const sightline::TrackArray& tracks, const std::string& topic);
   void writeSmoothed();
   void sendOverdueTracklets(core::Time now);
   void sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets);
@@ -231,9 +230,7 @@ ReplaySummary Replay::run(const rosbag::Bag& in) {
   sendOverdueTracklets(core::Time::max());
   fuseWaiting();
   writeSmoothed();
-  for (const std::string& name : output_.unwritten())
-    summary_.notices.push_back("nothing was written on \"" + name +
-                               "\" (--topics): no tracker, fusion or position says anything there");
+  output_.noteUnwritten();
   InputLimits limits;
   limits.stand_apart = has_positions_;
   summary_.findings = examination_.findings(transforms_.buffer(), commonFrame(), limits);
@@ -293,13 +290,9 @@ void Replay::use(const Tracker& tracker, const std::vector<TrackerReport>& repor
     if (has_positions_)
       locate(report.tracks, tracker.topics.tracks);
     else
-      fuse(*report.tracks, tracker.topics.tracks);
+      note(fusion_.onTracks(*report.tracks, tracker.topics.tracks, core::Time{}),
+           report.tracks->header.stamp);
   }
-}
-
-void Replay::fuse(const sightline::TrackArray& tracks, const std::string& topic) {
-  const FusionResult fused = fusion_.onTracks(tracks, topic, core::Time{});
-  note(fused, tracks.header.stamp);
 }
 
 /// Reports that waited for others at the recording's end, or before its stamps go back.

@@ -45,12 +45,12 @@ void ReplayOutput::say(const std::string& topic, const ros::Time& time, const Me
   if (is_wanted) out_.write(topic, time, message);
 }
 
-std::vector<std::string> ReplayOutput::unwritten() const {
-  std::vector<std::string> names;
+void ReplayOutput::noteUnwritten() {
   for (const auto& [name, is_written] : wanted_) {
-    if (!is_written) names.push_back(name);
+    if (is_written) continue;
+    summary_.notices.push_back("nothing was written on \"" + name +
+                               "\" (--topics): no tracker, fusion or position says anything there");
   }
-  return names;
 }
 
 void ReplayOutput::replace(const TrackerTopics& topics) {

@@ -59,8 +59,8 @@ class ReplayOutput {
   /// The positions that came of a message, if any.
   void write(const PositionResult& positions);
 
-  /// Those of the wanted topics on which nothing was written.
-  std::vector<std::string> unwritten() const;
+  /// Says in the summary on which of the wanted topics nothing was written.
+  void noteUnwritten();
 
  private:
   template <typename Message>
