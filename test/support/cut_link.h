@@ -77,6 +77,15 @@ class CutLink {
   CutLink(const CutLink&) = delete;
   CutLink& operator=(const CutLink&) = delete;
 
+  /// This process and those that it starts use a master on the near machine. It has a port of its own, so
+  /// that other tests' processes, which the kernel shows beside ours, are not taken for ours.
+  static void useMasterOnNear() {
+    const int port = 20000 + getpid() % 10000;  // below the kernel's own choice of ports
+    setenv("ROS_MASTER_URI", (std::string("http://") + kNear + ":" + std::to_string(port)).c_str(), 1);
+    setenv("ROS_IP", kNear, 1);
+    unsetenv("ROS_HOSTNAME");
+  }
+
   /// Why there is no such network; empty: there is.
   const std::string& whyNot() const { return why_not_; }
 

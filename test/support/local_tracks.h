@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "sightline/core/fusion/fusion_report.h"
-#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/reports/local_reports.h"
 
 #include "support/times.h"
 

@@ -18,7 +18,7 @@ const double kLoyalty = 4.0 * std::log(2.0);
 
 /// A local track's sensors, and its tracker's name, sorted.
 std::vector<std::string> originsOf(const Supporter& supporter) {
-  std::vector<std::string> origins = supporter.track.sources;
+  std::vector<std::string> origins = supporter.local.track.sources;
   origins.push_back(supporter.key.tracker);
   std::sort(origins.begin(), origins.end());
   return origins;
@@ -34,10 +34,11 @@ std::string sharedOrigin(const Supporter& a, const Supporter& b) {
 
 void leaveOutCoasting(const GlobalTrack& track, double coasting_age, Contributors& choice) {
   const auto silence = [&track](std::size_t number) {
-    return seconds(track.time() - track.supporters()[number].track.last_sighting);
+    return seconds(track.time() - track.supporters()[number].local.track.last_sighting);
   };
   const auto too_old = [&](std::size_t number) {
-    return track.supporters()[number].track.status == TrackStatus::coasting && silence(number) > coasting_age;
+    return track.supporters()[number].local.track.status == TrackStatus::coasting &&
+           silence(number) > coasting_age;
   };
   if (std::all_of(choice.used.begin(), choice.used.end(), too_old)) return;
   std::vector<std::size_t> kept;
@@ -92,7 +93,7 @@ double uncertainty(const AngularState& state) {
 
 bool nameTheirSensors(const GlobalTrack& track, const std::vector<std::size_t>& numbers) {
   return std::none_of(numbers.begin(), numbers.end(), [&track](std::size_t number) {
-    return track.supporters()[number].track.sources.empty();
+    return track.supporters()[number].local.track.sources.empty();
   });
 }
 

@@ -21,7 +21,7 @@ SourceTrack rowOf(const Supporter& supporter, Time now) {
   row.tracker = supporter.key.tracker;
   row.id = supporter.key.id;
   if (std::isfinite(supporter.distance_squared)) row.distance_squared = supporter.distance_squared;
-  row.age = seconds(now - supporter.reported);
+  row.age = seconds(now - supporter.local.time);
   return row;
 }
 
@@ -108,14 +108,14 @@ void describeFusion(const GlobalTrack& track, const std::vector<std::size_t>& us
     description.track.sources.push_back(supporter.key.tracker);
     if (const auto reports = new_reports.find(supporter.key.tracker); reports != new_reports.end())
       description.track.hits += reports->second;
-    contributors.push_back(&supporter.track);
+    contributors.push_back(&supporter.local.track);
   }
   summarize(contributors, description.track);
   // A single source passes through to the last bit.
   const Supporter& first = track.supporters()[used.front()];
   const bool as_it_came =
-      used.size() == 1 && first.reported == track.time() && description.rule != FusionRule::tracklets;
-  setState(as_it_came ? first.track.state : track.chart().toTracking(track.state()), description);
+      used.size() == 1 && first.local.time == track.time() && description.rule != FusionRule::tracklets;
+  setState(as_it_came ? first.local.track.state : track.chart().toTracking(track.state()), description);
 }
 
 void describeCoasting(const GlobalTrack& track, FusedTrack& description) {

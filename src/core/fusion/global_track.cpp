@@ -1,6 +1,7 @@
 #include "sightline/core/fusion/global_track.h"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <utility>
 
@@ -11,7 +12,9 @@
 namespace sightline::core {
 namespace {
 
-Estimate<4> estimateOf(const AngularState& state) {
+Estimate<4> estimateOf(AngularState state, const Eigen::Vector3d& acceleration, double age,
+                       const Chart& chart) {
+  allowFor(acceleration, age, chart, state);
   return {state.mean, state.covariance};
 }
 
@@ -72,18 +75,51 @@ void GlobalTrack::advance(Time time) {
   state_ = propagate(state_, h, density_);
 }
 
-AngularState GlobalTrack::aligned(const AngularState& state_tracking, Time time) const {
+AngularState GlobalTrack::aligned(const AngularState& state_tracking, Time from, Time to) const {
   const AngularState state = chart_.fromTracking(state_tracking);
-  return propagate(state, seconds(time_ - time), densityOf(state.covariance));
+  return propagate(state, seconds(to - from), densityOf(state.covariance));
+}
+
+Estimate<4> GlobalTrack::estimateOf(const LocalTrack& local, Time time) const {
+  return estimateAt({local.time, local.track.state}, local.acceleration.value(), time);
+}
+
+Estimate<4> GlobalTrack::estimateAt(const ReportedState& reported, const Eigen::Vector3d& acceleration,
+                                    Time time) const {
+  return sightline::core::estimateOf(aligned(reported.state, reported.time, time), acceleration,
+                                     seconds(time - reported.time), chart_);
+}
+
+Estimate<4> GlobalTrack::estimateAt(std::size_t supporter, Time past) const {
+  const LocalTrack& local = supporters_[supporter].local;
+  const ReportedState newest{local.time, local.track.state};
+  const ReportedState* former = supporters_[supporter].former.nearest(past);
+  const bool is_former =
+      former != nullptr && std::abs(seconds(former->time - past)) < std::abs(seconds(newest.time - past));
+  return estimateAt(is_former ? *former : newest, local.acceleration.value(), past);
+}
+
+std::optional<Estimate<4>> GlobalTrack::opinionAt(const std::vector<std::size_t>& supporters,
+                                                  Time past) const {
+  std::vector<Estimate<4>> estimates;
+  for (const std::size_t number : supporters) estimates.push_back(estimateAt(number, past));
+  const auto fused = weightedCovariance(estimates);
+  if (!fused) return std::nullopt;
+  return Estimate<4>{fused->mean, fused->covariance};
+}
+
+Estimate<4> GlobalTrack::estimateOf(std::size_t supporter) const {
+  const Supporter& it = supporters_[supporter];
+  return sightline::core::estimateOf(it.state, it.local.acceleration.value(), seconds(time_ - it.local.time),
+                                     chart_);
 }
 
 Supporter GlobalTrack::supporterOf(const LocalKey& key, const LocalTrack& local) const {
   Supporter supporter;
   supporter.key = key;
-  supporter.track = local.track;
-  supporter.reported = local.time;
+  supporter.local = local;
   supporter.density = densityOf(chart_.fromTracking(local.track.state).covariance);
-  supporter.state = aligned(local.track.state, local.time);
+  supporter.state = aligned(local.track.state, local.time, time_);
   return supporter;
 }
 
@@ -95,10 +131,13 @@ void GlobalTrack::join(const LocalKey& key, const LocalTrack& local) {
 double GlobalTrack::renew(std::size_t supporter, const LocalTrack& local) {
   Supporter& old = supporters_[supporter];
   Supporter renewed = supporterOf(old.key, local);
+  renewed.former = std::move(old.former);
+  renewed.former.add({old.local.time, old.local.track.state});
   renewed.contributed = old.contributed;
   renewed.contradicts_since = old.contradicts_since;
   renewed.misplaced_since = old.misplaced_since;
-  const double surprise = distanceSquared(estimateOf(old.state), estimateOf(renewed.state), 0.0);
+  const double surprise = distanceSquared({old.state.mean, old.state.covariance},
+                                          {renewed.state.mean, renewed.state.covariance}, 0.0);
   cross_.update(supporter, old.state.covariance, renewed.state.covariance);
   old = std::move(renewed);
   return surprise;
@@ -140,7 +179,7 @@ std::vector<std::size_t> GlobalTrack::usable() const {
 void GlobalTrack::compareSupporters(const TrackerMisalignment& registration) {
   const std::vector<std::size_t> numbers = usable();
   std::vector<Estimate<4>> estimates;
-  for (const std::size_t number : numbers) estimates.push_back(estimateOf(supporters_[number].state));
+  for (const std::size_t number : numbers) estimates.push_back(estimateOf(number));
   const auto others = weightedCovarianceOfOthers(estimates);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     double& distance_squared = supporters_[numbers[i]].distance_squared;
@@ -152,6 +191,23 @@ void GlobalTrack::compareSupporters(const TrackerMisalignment& registration) {
   }
 }
 
+/// Whether a supporter agrees with the others as of the newest instant for which both have reported.
+bool GlobalTrack::agreesInThePast(std::size_t supporter, double registration_sigma, double threshold) const {
+  std::vector<std::size_t> others = usable();
+  others.erase(std::remove(others.begin(), others.end(), supporter), others.end());
+  const std::optional<Time> of_others = newestReport(others);
+  if (!of_others) return false;
+  const Time past = std::min(*of_others, supporters_[supporter].local.time);
+  const std::optional<Estimate<4>> opinion = opinionAt(others, past);
+  return opinion && distanceSquared(estimateAt(supporter, past), *opinion, registration_sigma) < threshold;
+}
+
+/// Of two that contradict each other the one whose report is older, as a prediction may have become wrong;
+/// else that which came later.
+std::size_t GlobalTrack::doubtfulOf(std::size_t first, std::size_t second) const {
+  return supporters_[first].local.time < supporters_[second].local.time ? first : second;
+}
+
 std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const TrackerMisalignment& registration,
                                                              double threshold,
                                                              const NewReports& new_reports) {
@@ -159,18 +215,28 @@ std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const TrackerMisali
   std::vector<std::size_t> contradicting;
   for (;;) {
     compareSupporters(registration);
+    const std::vector<std::size_t> numbers = usable();
     std::size_t worst = supporters_.size();
     double farthest = threshold;
-    for (const std::size_t number : usable()) {
+    for (const std::size_t number : numbers) {
       if (!(supporters_[number].distance_squared >= farthest)) continue;  // NaN: nobody to contradict
       farthest = supporters_[number].distance_squared;
       worst = number;
     }
     if (worst == supporters_.size()) break;
+    if (numbers.size() == 2) worst = doubtfulOf(numbers[0], numbers[1]);
     std::ostringstream why;
     why << "distance squared " << farthest << " from the other local tracks (" << threshold << " allowed)";
-    contradicting.push_back(worst);
-    supporters_[worst].unusable = Refusal{"contradiction", why.str()};
+    Supporter& it = supporters_[worst];
+    if (agreesInThePast(worst, registration.sigma(it.key.tracker), threshold)) {
+      why << " after " << seconds(time_ - it.local.time)
+          << " s of prediction; they agreed when it was reported";
+      it.unusable = Refusal{"late", why.str()};
+      it.contradicts_since.reset();
+    } else {
+      contradicting.push_back(worst);
+      it.unusable = Refusal{"contradiction", why.str()};
+    }
   }
   if (2 * contradicting.size() > asked) {  // no majority agrees: whoever is left is left by chance
     for (const std::size_t number : contradicting) supporters_[number].unusable.reset();
@@ -189,16 +255,31 @@ std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const TrackerMisali
 
 Estimate<4> GlobalTrack::opinion() const {
   std::vector<Estimate<4>> estimates;
-  for (const std::size_t number : usable()) estimates.push_back(estimateOf(supporters_[number].state));
+  for (const std::size_t number : usable()) estimates.push_back(estimateOf(number));
   const auto fused = weightedCovariance(estimates);
-  return fused ? Estimate<4>{fused->mean, fused->covariance} : estimateOf(state_);
+  return fused ? Estimate<4>{fused->mean, fused->covariance}
+               : sightline::core::estimateOf(state_, acceleration_, seconds(time_ - last_fusion_), chart_);
+}
+
+std::optional<Estimate<4>> GlobalTrack::opinionAt(Time past) const {
+  return opinionAt(usable(), past);
+}
+
+std::optional<Time> GlobalTrack::newestReport() const {
+  return newestReport(usable());
+}
+
+std::optional<Time> GlobalTrack::newestReport(const std::vector<std::size_t>& supporters) const {
+  std::optional<Time> newest;
+  for (const std::size_t number : supporters)
+    newest = std::max(newest.value_or(Time::min()), supporters_[number].local.time);
+  return newest;
 }
 
 std::optional<Estimate<4>> GlobalTrack::opinionWithout(const std::string& tracker) const {
   std::vector<Estimate<4>> estimates;
   for (const std::size_t number : usable()) {
-    if (supporters_[number].key.tracker != tracker)
-      estimates.push_back(estimateOf(supporters_[number].state));
+    if (supporters_[number].key.tracker != tracker) estimates.push_back(estimateOf(number));
   }
   const auto fused = weightedCovariance(estimates);
   if (!fused) return std::nullopt;
@@ -212,8 +293,11 @@ void GlobalTrack::setFused(const std::vector<std::size_t>& contributors, const A
 
   for (Supporter& supporter : supporters_) supporter.contributed = false;
   density_.setZero();
+  acceleration_.setZero();
   for (const std::size_t number : contributors) {
     supporters_[number].contributed = true;
+    acceleration_ +=
+        supporters_[number].local.acceleration.value() / static_cast<double>(contributors.size());
     density_ = density_.cwiseMax(supporters_[number].density);
   }
 }

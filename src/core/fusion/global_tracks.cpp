@@ -73,7 +73,7 @@ void GlobalTracks::followReports(GlobalTrackEntry& entry, const LocalReports& re
                                  const NewReports& new_reports) {
   for (std::size_t i = entry.track.supporters().size(); i-- > 0;) {
     const LocalKey key = entry.track.supporters()[i].key;
-    const std::uint32_t hits_before = entry.track.supporters()[i].track.hits;
+    const std::uint32_t hits_before = entry.track.supporters()[i].local.track.hits;
     const LocalTrack* local = reports.find(key);
     // An established track does not become tentative: its tracker started again and gave the id to another.
     if (local == nullptr || local->track.status == TrackStatus::tentative) {

@@ -83,10 +83,7 @@ FusionRule ruleForStates(const GlobalTrack& track, FusionRule configured) {
 std::optional<FusedEstimate<4>> applyRule(FusionRule rule, const GlobalTrack& track,
                                           const std::vector<std::size_t>& used, IntersectionWeights weights) {
   std::vector<Estimate<4>> estimates;
-  for (const std::size_t number : used) {
-    const AngularState& state = track.supporters()[number].state;
-    estimates.push_back({state.mean, state.covariance});
-  }
+  for (const std::size_t number : used) estimates.push_back(track.estimateOf(number));
   if (estimates.empty()) return std::nullopt;
   if (estimates.size() == 1) {
     return FusedEstimate<4>{estimates[0].mean, estimates[0].covariance, {Eigen::Matrix4d::Identity()}};

@@ -69,9 +69,9 @@ TEST(GlobalTracks, FollowPredictsToTheNewestReportAndRenewsTheReportingTracker) 
   EXPECT_EQ(followed.global.time(), at(1.4));
   const GlobalTrack& track = followed.global.entries()[0].track;
   EXPECT_NEAR(track.chart().toTracking(track.supporters()[0].state).mean(0), 0.14, 1e-3);
-  EXPECT_EQ(track.supporters()[0].reported, at(1.0));
+  EXPECT_EQ(track.supporters()[0].local.time, at(1.0));
   followed.report("a", 1.5, {localTrack(1, {0.16, 0.2})});
-  EXPECT_EQ(followed.global.entries()[0].track.supporters()[0].reported, at(1.5));
+  EXPECT_EQ(followed.global.entries()[0].track.supporters()[0].local.time, at(1.5));
 }
 
 TEST(GlobalTracks, ASupporterThatItsTrackerNoLongerReportsLeavesAndMayReturn) {

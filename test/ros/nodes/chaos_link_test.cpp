@@ -48,9 +48,7 @@ int main(int argc, char** argv) {
     testing::GTEST_FLAG(filter) = "LinkOfThisTest*";
     return RUN_ALL_TESTS();
   }
-  setenv("ROS_MASTER_URI", (std::string("http://") + CutLink::kNear + ":11311").c_str(), 1);
-  setenv("ROS_IP", CutLink::kNear, 1);
-  unsetenv("ROS_HOSTNAME");
+  CutLink::useMasterOnNear();
   std::vector<std::string> near = {"far:=false"};
   std::vector<std::string> far = {"near:=false", "manager:=far_manager", "--wait"};
   const std::vector<std::string> all_forms = {"nodes", "nodelets"};

@@ -10,7 +10,6 @@
 #include "support/chaos.h"
 #include "support/cut_link.h"
 #include "support/launch.h"
-#include "support/scratch_folder.h"
 
 namespace {
 
@@ -18,9 +17,7 @@ constexpr double kCutFor = 5.0;        // [s]
 constexpr double kImpairedFor = 10.0;  // [s]
 constexpr double kNoise = 1e-3;        // of the sightings [rad]
 CutLink* link_of_machines = nullptr;   // set by main
-const std::string kUnstated = "0.0";
-std::string process_noise = "0.02";  // that the fusion is told of the targets [rad^2/s^3]; 0 = none
-std::string tcp = "the kernel's";    // how long TCP waits at most before it sends again: likewise
+std::string tcp = "the kernel's";      // how long TCP waits at most before it sends again: likewise
 
 /// A target that only the far sensor sees: its path.
 Eigen::Vector2d farTruthAt(ros::Time stamp) {
@@ -96,16 +93,13 @@ class Distributed : public Chaos {
     const FusionWatch::Outcome far = far_only_.outcome(end);
     const int near_doubles = doublesOf(*watches_.front()), far_doubles = doublesOf(far_only_);
     std::printf(
-        "distributed: %s, fusion's process noise %s, TCP waits at most %s: far target back %.2f s, both "
-        "trackers %.2f s after the "
-        "link; meanwhile the far target in %.0f %% of the messages; doubles in %d and %d of %d\n",
-        event.c_str(), process_noise.c_str(), tcp.c_str(), far.back, watches_.front()->outcome(end).both,
-        100.0 * share, near_doubles, far_doubles, static_cast<int>(far_only_.seen().size()));
+        "distributed: %s, TCP waits at most %s: far target back %.2f s, both trackers %.2f s after the link; "
+        "meanwhile the far target in %.0f %% of the messages; doubles in %d and %d of %d\n",
+        event.c_str(), tcp.c_str(), far.back, watches_.front()->outcome(end).both, 100.0 * share,
+        near_doubles, far_doubles, static_cast<int>(far_only_.seen().size()));
     std::fflush(stdout);
     EXPECT_LT(far.sigmas, kMostSigmas);
-    if (process_noise != kUnstated) {
-      EXPECT_EQ(near_doubles + far_doubles, 0) << event << ": a target had two tracks";
-    }
+    EXPECT_EQ(near_doubles + far_doubles, 0) << event << ": a target had two tracks";
     expectNobodyDied();
   }
 
@@ -161,15 +155,8 @@ int main(int argc, char** argv) {
   }
   const bool keeps_kernel = std::find(argv, argv + argc, std::string("kernel_tcp:=true")) != argv + argc;
   if (!keeps_kernel && link.set("net/ipv4/tcp_rto_max_ms", 1000)) tcp = "1 s";
-  setenv("ROS_MASTER_URI", (std::string("http://") + CutLink::kNear + ":11311").c_str(), 1);
-  setenv("ROS_IP", CutLink::kNear, 1);
-  unsetenv("ROS_HOSTNAME");
-  if (std::find(argv, argv + argc, std::string("process_noise:=false")) != argv + argc)
-    process_noise = kUnstated;
-  const ScratchFolder folder;
-  const std::string config = folder.write("fusion.yaml", "process_noise: " + process_noise + "\n");
-  const Launch on_near("chaos_trackers.launch",
-                       {"far:=false", "nodelets:=false", "fusion_config:=" + config});
+  CutLink::useMasterOnNear();
+  const Launch on_near("chaos_trackers.launch", {"far:=false", "nodelets:=false"});
   const Launch on_far("chaos_trackers.launch", {"near:=false", "nodelets:=false", "--wait"}, link.onFar());
   std::vector<std::string> sensor = link.onFar();
   sensor.insert(sensor.end(), {std::filesystem::read_symlink("/proc/self/exe"), "far_sensor"});

@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 
 #include "sightline/core/fusion/global_track.h"
-#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/reports/local_reports.h"
 #include "sightline/core/fusion/rules/fusion_rule_table.h"
 #include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"

@@ -9,10 +9,11 @@
 
 #include <Eigen/Core>
 
-#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/association/tracker_misalignment.h"
+#include "sightline/core/fusion/reports/local_reports.h"
+#include "sightline/core/fusion/reports/reported_states.h"
 #include "sightline/core/fusion/rules/cross_covariance.h"
 #include "sightline/core/fusion/rules/fusion_rules.h"
-#include "sightline/core/fusion/tracker_misalignment.h"
 #include "sightline/core/model/chart.h"
 #include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
@@ -23,9 +24,9 @@ namespace sightline::core {
 /// A local track as a supporter of a global one.
 struct Supporter {
   LocalKey key;
-  Track track;         ///< as last reported in a usable form, in the tracking frame at `reported`
-  Time reported{};     ///< stamp of that report
-  AngularState state;  ///< the same in the global track's chart, predicted to its time
+  LocalTrack local;       ///< as last reported in a usable form, in the tracking frame
+  ReportedStates former;  ///< reported before that
+  AngularState state;     ///< the same in the global track's chart, predicted to its time
   Eigen::Vector2d density = Eigen::Vector2d::Zero();  ///< of white acceleration, for predictions [rad^2/s^3]
   std::optional<Refusal> unusable;        ///< why it does not count at the moment; nullopt when it does
   bool contributed = false;               ///< to the last fusion
@@ -72,15 +73,20 @@ class GlobalTrack {
   /// Takes over all supporters of another track at the same time; no tracker may be in both.
   void absorb(const GlobalTrack& other);
 
+  /// What a supporter says at this track's time, in this chart: its state, and how far it may be off by the
+  /// acceleration that it has shown until it was reported.
+  Estimate<4> estimateOf(std::size_t supporter) const;
+
   /// Computes every usable supporter's distance from the others taken together. `registration`: errors
   /// in the alignment between trackers to allow for.
   void compareSupporters(const TrackerMisalignment& registration);
 
   /// The same; and those farther from the others than `threshold` [1] do not count, the worst first (of two,
-  /// the one that came later), until the rest agree; if that would be less than half of them,
-  /// nobody is right and all count. Returns their numbers, ascending. Since when a supporter
-  /// contradicts is remembered until it agrees in a new report of its own, as a prediction agrees the easier
-  /// the older it is.
+  /// the one whose report is older, else the one that came later), until the rest agree; if that would be
+  /// less than half of them, nobody is right and all count. Returns their numbers, ascending. Since when a
+  /// supporter contradicts is remembered until it agrees in a new report of its own, as a prediction agrees
+  /// the easier the older it is. One that agrees with what the others said at the time of its report does not
+  /// count either as long as its prediction is wrong (late), but does not contradict.
   std::vector<std::size_t> leaveOutContradictions(const TrackerMisalignment& registration, double threshold,
                                                   const NewReports& new_reports);
 
@@ -88,11 +94,18 @@ class GlobalTrack {
   /// in this chart.
   Estimate<4> opinion() const;
 
+  /// What all usable supporters have said together of `past`, as near to that as each was reported, in this
+  /// chart; nullopt when there are none, or it is longer ago than is remembered.
+  std::optional<Estimate<4>> opinionAt(Time past) const;
+
+  /// The newest report of a usable supporter; nullopt when there are none.
+  std::optional<Time> newestReport() const;
+
   /// What the usable supporters of other trackers say together; nullopt when there are none.
   std::optional<Estimate<4>> opinionWithout(const std::string& tracker) const;
 
-  /// A state in the tracking frame at `time`, in this chart at this track's time.
-  AngularState aligned(const AngularState& state_tracking, Time time) const;
+  /// What a local track that need not be a supporter says of `time`, likewise.
+  Estimate<4> estimateOf(const LocalTrack& local, Time time) const;
 
   /// The numbers of those supporters that count, in order.
   std::vector<std::size_t> usable() const;
@@ -110,7 +123,14 @@ class GlobalTrack {
 
  private:
   Eigen::Vector2d densityOf(const Eigen::Matrix4d& covariance) const;
+  AngularState aligned(const AngularState& state_tracking, Time from, Time to) const;
+  Estimate<4> estimateAt(const ReportedState& reported, const Eigen::Vector3d& acceleration, Time time) const;
+  Estimate<4> estimateAt(std::size_t supporter, Time past) const;
+  std::optional<Time> newestReport(const std::vector<std::size_t>& supporters) const;
+  std::optional<Estimate<4>> opinionAt(const std::vector<std::size_t>& supporters, Time past) const;
+  bool agreesInThePast(std::size_t supporter, double registration_sigma, double threshold) const;
   Supporter supporterOf(const LocalKey& key, const LocalTrack& local) const;
+  std::size_t doubtfulOf(std::size_t first, std::size_t second) const;
   void moveToChart(const Chart& chart);
 
   std::uint32_t id_;
@@ -120,7 +140,8 @@ class GlobalTrack {
   Time last_fusion_;
   AngularState state_;
   Eigen::Vector2d density_;
-  std::vector<Supporter> supporters_;  // in the order in which they joined
+  Eigen::Vector3d acceleration_ = Eigen::Vector3d::Zero();  // mean of the last contributors'
+  std::vector<Supporter> supporters_;                       // in the order in which they joined
   CrossCovariance cross_;
 };
 

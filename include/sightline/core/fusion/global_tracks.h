@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/core/fusion/association/tracker_misalignment.h"
 #include "sightline/core/fusion/fusion_report.h"
 #include "sightline/core/fusion/global_track.h"
-#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/reports/local_reports.h"
 #include "sightline/core/fusion/track_fusion_params.h"
-#include "sightline/core/fusion/tracker_misalignment.h"
 #include "sightline/core/fusion/tracklets/tracklet_fusion.h"
 #include "sightline/core/model/time.h"
 

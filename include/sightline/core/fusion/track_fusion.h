@@ -3,11 +3,11 @@
 #include <cstddef>
 #include <optional>
 
+#include "sightline/core/fusion/association/track_association.h"
 #include "sightline/core/fusion/fusion_report.h"
 #include "sightline/core/fusion/global_tracks.h"
-#include "sightline/core/fusion/local_reports.h"
-#include "sightline/core/fusion/report_rounds.h"
-#include "sightline/core/fusion/track_association.h"
+#include "sightline/core/fusion/reports/local_reports.h"
+#include "sightline/core/fusion/reports/report_rounds.h"
 #include "sightline/core/fusion/track_combination.h"
 #include "sightline/core/fusion/track_fusion_params.h"
 #include "sightline/core/fusion/tracklets/tracklet_memory.h"

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "sightline/core/fusion/fusion_report.h"
-#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/reports/local_reports.h"
 #include "sightline/core/fusion/rules/fusion_rules.h"
 #include "sightline/core/fusion/tracklets/tracklet_fusion.h"
 #include "sightline/core/fusion/tracklets/tracklet_memory.h"

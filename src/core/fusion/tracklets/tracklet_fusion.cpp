@@ -24,7 +24,7 @@ void TrackletFusion::feed(const Supporter& supporter, const TrackletMemory& memo
       [](std::uint64_t number, const TrackletMemory::Remembered& it) { return number < it.number; });
   for (auto next = first_new; next != remembered->end(); ++next) {
     const TrackletMemory::Remembered& it = *next;
-    if (it.tracklet.time > supporter.reported) return;
+    if (it.tracklet.time > supporter.local.time) return;
     fed = it.number;
     if (reportsFor(supporter.key, it.tracklet) && !track_.add(supporter.key, it.number, it.tracklet)) ++late_;
   }
@@ -126,7 +126,7 @@ std::optional<Refusal> whyIncomplete(const std::vector<const Supporter*>& suppor
       why << "no tracklets from " << tracker;
       return Refusal{"no tracklets", why.str()};
     }
-    const double lag = seconds(supporter->reported - *newest);
+    const double lag = seconds(supporter->local.time - *newest);
     if (lag > params.max_lag) {
       why << "tracklets of " << tracker << " are " << lag << " s behind its tracks (max_lag "
           << params.max_lag << " s)";

@@ -9,7 +9,7 @@
 
 #include "sightline/core/estimators/estimators.h"
 #include "sightline/core/fusion/global_track.h"
-#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/reports/local_reports.h"
 #include "sightline/core/fusion/tracklets/tracklet_memory.h"
 #include "sightline/core/fusion/tracklets/tracklet_track.h"
 #include "sightline/core/model/refusal.h"

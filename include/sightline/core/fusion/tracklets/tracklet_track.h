@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sightline/core/estimators/estimators.h"
-#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/reports/local_reports.h"
 #include "sightline/core/fusion/tracklets/guarded_estimator.h"
 #include "sightline/core/model/sphere.h"
 #include "sightline/core/model/time.h"

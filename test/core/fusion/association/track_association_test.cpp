@@ -1,4 +1,4 @@
-#include "sightline/core/fusion/track_association.h"
+#include "sightline/core/fusion/association/track_association.h"
 
 #include <gtest/gtest.h>
 

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "sightline/core/fusion/reports/shown_acceleration.h"
 #include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/track.h"
@@ -40,8 +41,9 @@ using NewReports = std::map<std::string, std::uint32_t>;
 /// A local track as last reported.
 struct LocalTrack {
   Track track;
-  Time time{};                     ///< of the report
-  std::optional<Refusal> invalid;  ///< why it cannot be used; nullopt when it can
+  Time time{};                       ///< of the report
+  std::optional<Refusal> invalid;    ///< why it cannot be used; nullopt when it can
+  ShownAcceleration acceleration{};  ///< by this report and those before it
 };
 
 struct LocalReportsParams {

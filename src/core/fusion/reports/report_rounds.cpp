@@ -1,4 +1,4 @@
-#include "sightline/core/fusion/report_rounds.h"
+#include "sightline/core/fusion/reports/report_rounds.h"
 
 #include <algorithm>
 #include <iterator>

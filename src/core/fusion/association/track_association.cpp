@@ -1,4 +1,4 @@
-#include "sightline/core/fusion/track_association.h"
+#include "sightline/core/fusion/association/track_association.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +24,7 @@ constexpr int kLeastWitnesses = 2;         // other trackers that agree on where
 struct AssignedRow {
   std::optional<LocalKey> key;
   std::size_t entry = 0;  // without key; with one that which the local track had before, if it waits for it
-  AngularState state_tracking;
-  Time time;
+  LocalTrack local;       // without key: the global track's state as one
 };
 
 /// What the costs depend on beside rows and columns.
@@ -38,6 +37,33 @@ struct CostContext {
     return row.key ? misalignment.sigma(row.key->tracker) : misalignment.largestSigma();
   }
 };
+
+/// What a row and a global track say of one instant.
+struct Pair {
+  Estimate<4> row, track;
+};
+
+/// Of the newest instant for which both have reported; nullopt where that is now, or longer ago than is
+/// remembered.
+std::optional<Pair> inThePast(const AssignedRow& row, const GlobalTrack& track, const CostContext& context) {
+  const GlobalTrack* as_track = row.key ? nullptr : &context.tracks.entries()[row.entry].track;
+  const std::optional<Time> of_row =
+      as_track != nullptr ? as_track->newestReport() : std::optional<Time>(row.local.time);
+  const std::optional<Time> of_track = track.newestReport();
+  if (!of_row || !of_track) return std::nullopt;
+  const Time past = std::min(*of_row, *of_track);
+  if (past >= context.tracks.time()) return std::nullopt;
+  LocalTrack local = row.local;
+  if (as_track != nullptr) {
+    const std::optional<Estimate<4>> said = as_track->opinionAt(past);
+    if (!said) return std::nullopt;
+    local.track.state = as_track->chart().toTracking({said->mean, said->covariance});
+    local.time = past;
+  }
+  const std::optional<Estimate<4>> said = track.opinionAt(past);
+  if (!said) return std::nullopt;
+  return Pair{track.estimateOf(local, past), *said};
+}
 
 struct Costs {
   Eigen::MatrixXd pairs;  // by row and column
@@ -57,14 +83,16 @@ bool areNear(const GlobalTrack& a, const GlobalTrack& b, const CostContext& cont
 /// grows on the way to the common time.
 bool isFarAway(const AssignedRow& row, const Eigen::Vector2d& place, const Estimate<4>& estimate,
                const CostContext& context) {
-  const double age = std::abs(seconds(context.tracks.time() - row.time));
+  const double age = std::abs(seconds(context.tracks.time() - row.local.time));
   if (age > kShortAge) return false;
   const Eigen::Vector2d apart = angleDifference(place, estimate.mean.head<2>());
-  const double variance = row.state_tracking.covariance.trace() +  // of rates too: they grow in < 1 s
+  const AngularState& state = row.local.track.state;
+  const double turned = 0.5 * age * age * row.local.acceleration.value().norm();
+  const double variance = state.covariance.trace() + turned * turned +  // of rates too: they grow in < 1 s
                           estimate.covariance.topLeftCorner<2, 2>().trace() +
                           2.0 * context.sigmaOf(row) * context.sigmaOf(row);
-  const double reach = std::sqrt(kGateSlack * context.join_threshold * variance) +
-                       age * row.state_tracking.mean.tail<2>().norm();
+  const double reach =
+      std::sqrt(kGateSlack * context.join_threshold * variance) + age * state.mean.tail<2>().norm();
   return apart.squaredNorm() > reach * reach;
 }
 
@@ -87,7 +115,7 @@ Costs costsOf(const std::vector<AssignedRow>& rows, const std::vector<std::size_
   Eigen::MatrixXd costs = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(rows.size()),
                                                     static_cast<Eigen::Index>(columns.size()), kForbidden);
   std::vector<Eigen::Vector3d> directions;
-  for (const AssignedRow& row : rows) directions.push_back(directionOf(row.state_tracking.angles()));
+  for (const AssignedRow& row : rows) directions.push_back(directionOf(row.local.track.state.angles()));
   for (Eigen::Index column = 0; column < costs.cols(); ++column) {
     const GlobalTrack& track = entries[columns[static_cast<std::size_t>(column)]].track;
     const Estimate<4> estimate = track.opinion();
@@ -96,11 +124,17 @@ Costs costsOf(const std::vector<AssignedRow>& rows, const std::vector<std::size_
       const Eigen::Vector2d place = track.chart().coordinatesOf(directions[i]);
       if (isFarAway(row, place, estimate, context) || !track.chart().holds(place)) continue;
       if (!mayBeOne(row, columns[static_cast<std::size_t>(column)], entries)) continue;
-      const AngularState aligned = track.aligned(row.state_tracking, row.time);
-      const double distance_squared =
-          distanceSquared({aligned.mean, aligned.covariance}, estimate, context.sigmaOf(row));
+      Pair pair{track.estimateOf(row.local, track.time()), estimate};
+      double distance_squared = distanceSquared(pair.row, pair.track, context.sigmaOf(row));
+      if (distance_squared > context.join_threshold) {  // of what is predicted
+        const std::optional<Pair> past = inThePast(row, track, context);
+        if (!past) continue;
+        pair = *past;
+        distance_squared = distanceSquared(pair.row, pair.track, context.sigmaOf(row));
+      }
       if (!(distance_squared <= context.join_threshold)) continue;
-      const double log_determinant = uncertainty({estimate.mean, aligned.covariance + estimate.covariance});
+      const double log_determinant =
+          uncertainty({pair.track.mean, pair.row.covariance + pair.track.covariance});
       costs(static_cast<Eigen::Index>(i), column) = distance_squared + log_determinant;
       largest_log_determinant = std::max(largest_log_determinant.value_or(log_determinant), log_determinant);
     }
@@ -118,8 +152,9 @@ std::optional<Disagreement> disagreementOf(const GlobalTrack& track, const std::
   if (supporter.unusable && !contradicts) return std::nullopt;
   const std::optional<Estimate<4>> others = track.opinionWithout(tracker);
   if (!others) return std::nullopt;
-  const Eigen::Vector2d apart = angleDifference(supporter.state.angles(), others->mean.head<2>());
-  const Eigen::Matrix2d S = supporter.state.anglesCovariance() + others->covariance.topLeftCorner<2, 2>();
+  const Estimate<4> says = track.estimateOf(number);
+  const Eigen::Vector2d apart = angleDifference(says.mean.head<2>(), others->mean.head<2>());
+  const Eigen::Matrix2d S = (says.covariance + others->covariance).topLeftCorner<2, 2>();
   return Disagreement{apart.squaredNorm(), 0.5 * S.trace()};
 }
 
@@ -144,10 +179,9 @@ bool isExplainedByBias(const GlobalTrack& track, const LocalKey& key, const Loca
   const std::optional<Estimate<4>> opinion = track.opinionWithout(key.tracker);
   const Eigen::Vector2d place = track.chart().coordinatesOf(directionOf(local.track.state.angles()));
   if (!opinion || !track.chart().holds(place)) return false;
-  const AngularState aligned = track.aligned(local.track.state, local.time);
-  const double unsure =
-      std::sqrt(aligned.anglesCovariance().trace() + opinion->covariance.topLeftCorner<2, 2>().trace());
-  const Eigen::Vector2d apart = angleDifference(aligned.angles(), opinion->mean.head<2>());
+  const Estimate<4> says = track.estimateOf(local, track.time());
+  const double unsure = std::sqrt((says.covariance + opinion->covariance).topLeftCorner<2, 2>().trace());
+  const Eigen::Vector2d apart = angleDifference(says.mean.head<2>(), opinion->mean.head<2>());
   return apart.norm() <= kMostBias * *sigma + kTrackSigmas * unsure;
 }
 
@@ -157,7 +191,7 @@ bool mayBeBiasedViewOf(const GlobalTrackEntry& entry, const LocalKey& key, const
   const std::size_t number = entry.track.numberOf(key.tracker);
   if (number < entry.track.supporters().size()) {
     const Supporter& supporter = entry.track.supporters()[number];
-    return supporter.unusable || supporter.track.last_sighting != local.track.last_sighting;
+    return supporter.unusable || supporter.local.track.last_sighting != local.track.last_sighting;
   }
   return std::any_of(entry.former.begin(), entry.former.end(),
                      [&](const auto& former) { return former.first.tracker == key.tracker; });
@@ -203,9 +237,9 @@ void TrackAssociation::splitContradicting(GlobalTracks& tracks, const TrackletMe
         entry.track.leaveOutContradictions(misalignment_, thresholds_.contradict, new_reports);
     for (auto number = contradicting.rbegin(); number != contradicting.rend(); ++number) {
       const Supporter& supporter = entry.track.supporters()[*number];
-      const bool lasts = seconds(tracks.time() - *supporter.contradicts_since) >= params_.leave_after;
-      if (lasts &&
-          !isExplainedByBias(entry.track, supporter.key, {supporter.track, supporter.reported, {}}, memory))
+      // By its own reports: a prediction that grows old is no new evidence.
+      const bool lasts = seconds(supporter.local.time - *supporter.contradicts_since) >= params_.leave_after;
+      if (lasts && !isExplainedByBias(entry.track, supporter.key, supporter.local, memory))
         removeSupporter(entry, *number);
     }
   }
@@ -264,7 +298,7 @@ bool TrackAssociation::isDue(const std::vector<SupporterMove>& moves, const Glob
     if (!it.present) return false;
     const GlobalTrack& track = tracks.entries()[*it.present].track;
     const Supporter& supporter = track.supporters()[track.numberOf(it.key.tracker)];
-    return seconds(tracks.time() - *supporter.misplaced_since) >= params_.leave_after;
+    return seconds(supporter.local.time - *supporter.misplaced_since) >= params_.leave_after;
   });
 }
 
@@ -304,7 +338,7 @@ void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& repor
                                  const TrackletMemory& memory, const std::string& tracker, bool merge) {
   std::vector<AssignedRow> rows;
   for (const auto& [key, local] : freeTracksOf(tracks, reports, tracker))
-    rows.push_back({key, tracks.formerOf(key, local), local.track.state, local.time});
+    rows.push_back({key, tracks.formerOf(key, local), local});
   if (rows.empty() && !merge) return;
   const CostContext context{tracks, misalignment_, thresholds_.join};
   const std::vector<GlobalTrackEntry>& entries = tracks.entries();
@@ -321,7 +355,10 @@ void TrackAssociation::associate(GlobalTracks& tracks, const LocalReports& repor
     });
     if (!has_neighbour) continue;
     const Estimate<4> estimate = track.opinion();
-    rows.push_back({{}, i, track.chart().toTracking({estimate.mean, estimate.covariance}), tracks.time()});
+    LocalTrack as_one;
+    as_one.track.state = track.chart().toTracking({estimate.mean, estimate.covariance});
+    as_one.time = tracks.time();
+    rows.push_back({{}, i, as_one});
   }
   if (rows.empty()) return;
 

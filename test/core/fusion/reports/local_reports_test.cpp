@@ -1,4 +1,4 @@
-#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/reports/local_reports.h"
 
 #include <cmath>
 

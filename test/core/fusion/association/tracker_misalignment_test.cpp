@@ -1,4 +1,4 @@
-#include "sightline/core/fusion/tracker_misalignment.h"
+#include "sightline/core/fusion/association/tracker_misalignment.h"
 
 #include <cmath>
 #include <random>

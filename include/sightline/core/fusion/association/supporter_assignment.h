@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sightline/core/fusion/global_track.h"
-#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/reports/local_reports.h"
 
 /// Which global track each track of one local tracker belongs to, when the answer of yesterday is in doubt.
 namespace sightline::core {

@@ -1,4 +1,4 @@
-#include "sightline/core/fusion/supporter_assignment.h"
+#include "sightline/core/fusion/association/supporter_assignment.h"
 
 #include <algorithm>
 #include <utility>
@@ -17,8 +17,7 @@ constexpr double kReachSlack = 2.0;  // of distances, before they are computed e
 /// A track of the tracker.
 struct Row {
   LocalKey key;
-  const Track* track = nullptr;
-  Time time;
+  const LocalTrack* local = nullptr;
   std::optional<std::size_t> present;
   bool is_biased = false;  // does not count, by no fault of its target
   bool is_in_doubt = false;
@@ -26,11 +25,13 @@ struct Row {
   double variance = 0.0;      // of both angles together [rad^2]
 };
 
-Row rowOf(const LocalKey& key, const Track& track, Time time, Time now) {
-  Row row{key, &track, time, {}, false, false, {}, 0.0};
-  const Eigen::Vector2d angles = track.state.angles() + seconds(now - time) * track.state.mean.tail<2>();
-  row.direction = directionOf(angles);
-  row.variance = track.state.anglesCovariance().trace();
+Row rowOf(const LocalKey& key, const LocalTrack& local, Time now) {
+  Row row{key, &local, {}, false, false, {}, 0.0};
+  const AngularState& state = local.track.state;
+  const double age = seconds(now - local.time);
+  row.direction = directionOf(state.angles() + age * state.mean.tail<2>());
+  const double turned = 0.5 * age * age * local.acceleration.value().norm();
+  row.variance = state.anglesCovariance().trace() + turned * turned;
   return row;
 }
 
@@ -48,14 +49,14 @@ std::vector<Row> rowsOf(const std::string& tracker, const std::vector<std::pair<
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const Supporter* supporter = supporterOf(*tracks[i], tracker);
     if (supporter == nullptr) continue;
-    Row row = rowOf(supporter->key, supporter->track, supporter->reported, tracks[i]->time());
+    Row row = rowOf(supporter->key, supporter->local, tracks[i]->time());
     row.present = i;
     row.is_biased = supporter->unusable && !supporter->contradicts_since;
     row.is_in_doubt = supporter->unusable || supporter->distance_squared > kLoyalty * params.join_threshold;
     rows.push_back(std::move(row));
   }
   for (const auto& [key, local] : free)
-    rows.push_back(rowOf(key, local.track, local.time, tracks.empty() ? local.time : tracks.front()->time()));
+    rows.push_back(rowOf(key, local, tracks.empty() ? local.time : tracks.front()->time()));
   return rows;
 }
 
@@ -94,12 +95,11 @@ Mismatch mismatchOf(const Row& row, const GlobalTrack& track, const std::string&
   Mismatch mismatch;
   const std::optional<Estimate<4>> others = track.opinionWithout(tracker);
   mismatch.is_alone = !others;
-  const Eigen::Vector3d direction = directionOf(row.track->state.angles());
+  const Eigen::Vector3d direction = directionOf(row.local->track.state.angles());
   if (!others || !track.chart().holds(track.chart().coordinatesOf(direction))) return mismatch;
-  const AngularState aligned = track.aligned(row.track->state, row.time);
-  mismatch.distance_squared =
-      distanceSquared({aligned.mean, aligned.covariance}, *others, params.registration_sigma);
-  mismatch.log_determinant = uncertainty({others->mean, aligned.covariance + others->covariance});
+  const Estimate<4> says = track.estimateOf(*row.local, track.time());
+  mismatch.distance_squared = distanceSquared(says, *others, params.registration_sigma);
+  mismatch.log_determinant = uncertainty({others->mean, says.covariance + others->covariance});
   return mismatch;
 }
 

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/core/fusion/association/supporter_assignment.h"
+#include "sightline/core/fusion/association/tracker_misalignment.h"
 #include "sightline/core/fusion/global_tracks.h"
-#include "sightline/core/fusion/local_reports.h"
-#include "sightline/core/fusion/supporter_assignment.h"
+#include "sightline/core/fusion/reports/local_reports.h"
 #include "sightline/core/fusion/track_fusion_params.h"
-#include "sightline/core/fusion/tracker_misalignment.h"
 #include "sightline/core/fusion/tracklets/tracklet_memory.h"
 
 namespace sightline::core {

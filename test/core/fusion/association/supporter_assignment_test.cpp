@@ -1,4 +1,4 @@
-#include "sightline/core/fusion/supporter_assignment.h"
+#include "sightline/core/fusion/association/supporter_assignment.h"
 
 #include <gtest/gtest.h>
 

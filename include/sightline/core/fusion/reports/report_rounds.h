@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/reports/local_reports.h"
 #include "sightline/core/model/time.h"
 
 namespace sightline::core {

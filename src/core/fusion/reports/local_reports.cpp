@@ -1,7 +1,8 @@
-#include "sightline/core/fusion/local_reports.h"
+#include "sightline/core/fusion/reports/local_reports.h"
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "sightline/core/fusion/track_alignment.h"
 
@@ -11,6 +12,15 @@ namespace {
 constexpr double kPaces = 3.0;           // usual intervals that a report always counts
 constexpr double kIntervalMemory = 0.2;  // share of the newest interval in the usual one
 constexpr double kPatience = 3.0;        // times max_age, with trackers that are ahead of one that goes on
+
+/// Goes on with what its former reports have shown of its acceleration, as long as it is being seen.
+void remember(const std::map<std::uint32_t, LocalTrack>& before, LocalTrack& local) {
+  const auto former = before.find(local.track.id);
+  if (former != before.end()) local.acceleration = former->second.acceleration;
+  const bool is_seen =
+      former == before.end() || local.track.last_sighting != former->second.track.last_sighting;
+  if (is_seen && !local.invalid) local.acceleration.take(local.track.state, local.time);
+}
 
 std::optional<Refusal> invalidityOf(const Track& track) {
   if (track.id == 0) return invalid("id 0 means no track; ids start at 1");
@@ -73,17 +83,20 @@ void LocalReports::replace(Tracker& tracker, const LocalReport& report) const {
     tracker.interval += (tracker.interval > 0.0 ? kIntervalMemory : 1.0) * (since_last - tracker.interval);
   }
   tracker.time = report.time;
-  tracker.tracks.clear();
+  auto before = std::exchange(tracker.tracks, {});
+  if (restarted) before.clear();
   tracker.surplus.clear();
   for (const Track& track : report.tracks) {
     if (tracker.tracks.size() >= static_cast<std::size_t>(params_.max_tracks)) {
       if (tracker.surplus.size() >= static_cast<std::size_t>(params_.max_tracks)) break;
       tracker.surplus[track.id] = {"limit", "the report has more than " + std::to_string(params_.max_tracks) +
                                                 " tracks (max_local_tracks)"};
-    } else if (!tracker.tracks.try_emplace(track.id, LocalTrack{track, report.time, invalidityOf(track)})
-                    .second) {
-      tracker.surplus[track.id] = {"invalid", "the report has this id more than once"};
+      continue;
     }
+    LocalTrack local{track, report.time, invalidityOf(track)};
+    remember(before, local);
+    if (!tracker.tracks.try_emplace(track.id, std::move(local)).second)
+      tracker.surplus[track.id] = {"invalid", "the report has this id more than once"};
   }
 }
 
