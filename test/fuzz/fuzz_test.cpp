@@ -1,5 +1,6 @@
 // A bounded number of cases of the fuzz program, always the same ones. To go on from there: scripts/fuzz.
 #include <cmath>
+#include <console_bridge/console.h>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -8,13 +9,24 @@
 
 #include <gtest/gtest.h>
 
+#include <ros/console.h>
+#include <ros/time.h>
+
 #include "fuzz/fuzz_driver.h"
+#include "fuzz/ros/ros_targets.h"
 
 namespace {
 
 using namespace sightline_fuzz;
 
-class FuzzTargets : public testing::TestWithParam<FuzzTarget> {};
+class FuzzTargets : public testing::TestWithParam<FuzzTarget> {
+ protected:
+  static void SetUpTestSuite() {
+    ros::Time::init();
+    ros::console::set_logger_level(ROSCONSOLE_DEFAULT_NAME, ros::console::levels::Fatal);
+    console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+  }
+};
 
 TEST_P(FuzzTargets, KeepTheirPromisesInTheFirstCases) {
   const FuzzTarget& target = GetParam();
@@ -27,6 +39,9 @@ TEST_P(FuzzTargets, KeepTheirPromisesInTheFirstCases) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Core, FuzzTargets, testing::ValuesIn(coreTargets()),
+                         [](const testing::TestParamInfo<FuzzTarget>& info) { return info.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(Ros, FuzzTargets, testing::ValuesIn(rosTargets()),
                          [](const testing::TestParamInfo<FuzzTarget>& info) { return info.param.name; });
 
 /// The corpus: a change of what a target draws makes other cases of them, which must hold as well.

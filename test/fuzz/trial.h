@@ -37,6 +37,8 @@ class Trial {
     call(what, [&] {
       try {
         refusing();
+      } catch (const Fault&) {
+        throw;
       } catch (const Refusal&) {
         ++refusals_;
       }

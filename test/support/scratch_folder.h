@@ -17,6 +17,7 @@ class ScratchFolder {
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
+  const std::filesystem::path& path() const { return path_; }
   std::string file(const std::string& name) const { return (path_ / name).string(); }
 
   /// Writes a text file and returns its path.
@@ -28,6 +29,7 @@ class ScratchFolder {
  private:
   std::filesystem::path path_;
 };
+
 /// All that a file holds.
 inline std::string textOfFile(const std::string& path) {
   std::ostringstream text;

@@ -9,6 +9,7 @@
 
 #include "sightline/core/fusion/global_tracks.h"
 #include "sightline/core/fusion/track_alignment.h"
+#include "sightline/core/model/name.h"
 #include "sightline/core/model/sphere.h"
 
 namespace sightline::core {
@@ -172,7 +173,7 @@ FusionReport describeRefused(const FusionReport& latest, const LocalReport& refu
   for (const Track& track : refused.tracks) {
     if (report.left_out.size() >= max_tracks) break;
     report.left_out.push_back(
-        leftOutRow(refused.tracker, track.id, seconds(latest.time - refused.time), why));
+        leftOutRow(readableName(refused.tracker), track.id, seconds(latest.time - refused.time), why));
   }
   return report;
 }

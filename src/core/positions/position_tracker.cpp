@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "sightline/core/model/name.h"
 #include "sightline/core/model/usable_sighting.h"
 
 namespace sightline::core {
@@ -62,6 +63,8 @@ std::optional<Refusal> PositionTracker::insert(Item item) {
 /// Why nothing under these names is taken; `sensor` is empty for a tracker's tracks.
 std::optional<Refusal> PositionTracker::admit(const std::string& tracker, const std::string& sensor) {
   if (names_.count({tracker, sensor}) > 0) return std::nullopt;
+  if (auto refusal = whyTooLong("the tracker's name", tracker)) return refusal;
+  if (auto refusal = whyTooLong("the sensor's name", sensor)) return refusal;
   if (names_.size() >= kMostNames)
     return Refusal{"limit", "already " + std::to_string(names_.size()) +
                                 " names of trackers and sensors: each must keep its name"};

@@ -28,6 +28,8 @@ std_msgs::Header framed(std_msgs::Header header, const PixelRays* rays) {
   return header;
 }
 
+constexpr double kLongestSweep = 3600.0;  // [s]
+
 core::LaserSweep sweepOf(const sensor_msgs::LaserScan& scan) {
   core::LaserSweep sweep;
   sweep.first_angle = scan.angle_min;
@@ -98,9 +100,15 @@ Reading read(const sensor_msgs::RegionOfInterest& message, const AdapterTopic& t
 Reading read(const sensor_msgs::LaserScan& message, const AdapterTopic& topic, const PixelRays*) {
   Reading reading(topic, message.header);
   const auto beams = static_cast<double>(message.ranges.size());
-  if (!reading.header.stamp.isZero() && beams > 1.0 && std::isfinite(message.time_increment)) {
-    reading.header.stamp += ros::Duration(0.5 * (beams - 1.0) * message.time_increment);
+  const double to_the_middle = 0.5 * std::max(0.0, beams - 1.0) * message.time_increment;
+  if (std::abs(to_the_middle) > kLongestSweep) {
+    reading.refuse("malformed", "time_increment " + std::to_string(message.time_increment) + " s with " +
+                                    std::to_string(message.ranges.size()) +
+                                    " ranges: a sweep of more than an hour; is it in seconds?");
+    return reading;
   }
+  if (!reading.header.stamp.isZero() && std::isfinite(to_the_middle))
+    reading.middle = core::durationOf(to_the_middle);
   if (!std::isfinite(message.angle_min) || !std::isfinite(message.angle_increment) ||
       message.angle_increment == 0.0F) {
     reading.refuse("malformed", "angle_min " + std::to_string(message.angle_min) + ", angle_increment " +

@@ -272,8 +272,8 @@ AdaptedScan adapt(const Reading& reading, const AdapterTopic& topic, const ros::
         of_topic + "header.stamp is 0: let the driver fill it in, or set stamp: arrival for this topic");
   }
   core::Scan scan;
-  scan.time =
-      toCore(topic.stamp_on_arrival ? arrival : reading.header.stamp) + core::durationOf(topic.stamp_offset);
+  scan.time = (topic.stamp_on_arrival ? toCore(arrival) : toCore(reading.header.stamp) + reading.middle) +
+              core::durationOf(topic.stamp_offset);
   scan.sensor = topic.sensor;
   scan.ifov = topic.ifov;
   scan.detection_probability = topic.detection_probability;
@@ -291,6 +291,8 @@ AdaptedScan adapt(const Reading& reading, const AdapterTopic& topic, const ros::
   if (scan.time < core::Time{}) {
     return refused(std::move(out), "no stamp", of_topic + "stamp_offset brings the stamp before 1970");
   }
+  if (scan.time > toCore(ros::TIME_MAX))
+    return refused(std::move(out), "no stamp", of_topic + "the stamp is beyond 2106: is it in seconds?");
   out.scan = boost::make_shared<sightline::SightingArray>(
       toMessage(scan, topic.is_optical ? boresightFrameOf(frame) : frame));
   if (topic.is_optical) out.optical_frame = frame;

@@ -9,6 +9,9 @@
 namespace sightline_ros {
 namespace {
 
+constexpr std::ptrdiff_t kMostDigits = 9;  // of the size of an array in a definition
+constexpr std::size_t kMostLevels = 32;    // of types within types
+
 /// Bytes of a built-in type of fixed size; 0 for the others.
 std::size_t sizeOfBuiltin(const std::string& type) {
   static const std::map<std::string, std::size_t> sizes = {
@@ -115,6 +118,8 @@ MessageLayout::MessageLayout(const std::string& type, const std::string& definit
     }
   }
   parse(current, text);
+  std::map<std::string, bool> known;
+  settle(type, {}, known);
 }
 
 void MessageLayout::parse(const std::string& type, const std::string& definition) {
@@ -134,9 +139,30 @@ void MessageLayout::parse(const std::string& type, const std::string& definition
     }
     if (parts[5].matched) continue;
     Field field{parts[4], resolved(parts[1], type), parts[2].matched, std::nullopt};
+    if (parts[3].length() > kMostDigits)
+      throw FieldError("the definition of " + type + " has an array of " + parts[3].str() + " elements");
     if (parts[3].length() > 0) field.fixed_size = std::stoul(parts[3]);
     fields.push_back(field);
   }
+}
+
+/// Whether a value of the type takes any byte; fields that take none are forgotten, so that walking through a
+/// message takes no longer than it is. `above`: the types that contain it; `known`: of those seen before.
+bool MessageLayout::settle(const std::string& type, std::vector<std::string> above,
+                           std::map<std::string, bool>& known) {
+  const auto fields = fields_.find(type);
+  if (fields == fields_.end()) return true;  // built in, or not defined, which is said where it is read
+  if (const auto seen = known.find(type); seen != known.end()) return seen->second;
+  if (std::find(above.begin(), above.end(), type) != above.end())
+    throw FieldError("the definition of " + type_ + " does not end: " + type + " contains itself");
+  if (above.size() >= kMostLevels)
+    throw FieldError("the definition of " + type_ + " is nested deeper than " + std::to_string(kMostLevels) +
+                     " types");
+  above.push_back(type);
+  const auto takes_none = [&](const Field& field) { return !settle(field.type, above, known); };
+  auto& all = fields->second;
+  all.erase(std::remove_if(all.begin(), all.end(), takes_none), all.end());
+  return known[type] = !all.empty();
 }
 
 std::string MessageLayout::resolved(const std::string& type, const std::string& inside) const {

@@ -7,6 +7,7 @@
 #include <tf2/exceptions.h>
 
 #include "sightline/core/fusion/track_alignment.h"
+#include "sightline/core/model/name.h"
 #include "sightline/ros/components/component_params.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/position_messages.h"
@@ -138,6 +139,8 @@ std::optional<core::Refusal> PositionTrackerComponent::refusalOf(const Message& 
   const std_msgs::Header& header = headerOf(message);
   const core::Time stamp = sightline_ros::toCore(header.stamp);
   if (tracker.empty()) return core::invalid("the tracker is not named; set its tracker_name");
+  if (auto refusal = core::whyTooLong("the tracker's name", tracker)) return refusal;
+  if (auto refusal = core::whyTooLong("header.frame_id", header.frame_id)) return refusal;
   if (header.frame_id.empty()) {
     return core::invalid("what comes from \"" + tracker +
                          "\" names no frame; set its tracking_frame to the "
@@ -187,13 +190,14 @@ void PositionTrackerComponent::takeTracks(const sightline::TrackArray& local, Po
   tracks.time = result.stamp;
   tracks.pose = poseOf(local.header.frame_id, local.header.stamp, trackingFrame(), transforms_);
   for (const sightline::Track& row : local.tracks) {
-    const core::Track track = sightline_ros::toCore(row);
+    core::Track track = sightline_ros::toCore(row);
+    track.sources.clear();  // not used, and however long they are
     if (const auto why = core::rejectionOf(track.state)) {
       if (track.status == core::TrackStatus::tentative) continue;  // it says nothing yet
       result.refusals.push_back(aboutTrack(*why, local.tracker, row.id));
       continue;
     }
-    tracks.tracks.push_back(track);
+    tracks.tracks.push_back(std::move(track));
   }
   stations_[local.tracker] = tracks.pose.origin;
   result.used = tracks.tracks.size();

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "sightline/core/model/name.h"
 #include "sightline/report/sensor_text.h"
 #include "sightline/ros/components/component_params.h"
 #include "sightline/ros/messages/conversions.h"
@@ -253,13 +254,14 @@ std::optional<core::Refusal> TrackFusionComponent::refusalOf(const std::string& 
   std::ostringstream why;
   const core::Time stamp = toCore(header.stamp);
   const double ahead = core::seconds(stamp - now);
+  if (auto refusal = core::whyTooLong("the tracker's name", tracker)) return refusal;
   if (tracker == name_) {
     why << "\"" << name_ << "\" is this fusion itself; it must not be fed with its own";
     return core::Refusal{"feedback", why.str()};
   }
   if (header.frame_id != tracking_frame_) {
-    why << "what comes from \"" << tracker << "\" are in \"" << header.frame_id << "\", not in \""
-        << tracking_frame_
+    why << "what comes from \"" << tracker << "\" are in \"" << core::readableName(header.frame_id)
+        << "\", not in \"" << tracking_frame_
         << "\" (tracking_frame); directions from another origin cannot be fused: use position_tracker for "
            "stations "
            "that stand apart";

@@ -4,6 +4,7 @@
 #include <limits>
 #include <sstream>
 
+#include "sightline/core/model/name.h"
 #include "sightline/ros/messages/conversions.h"
 
 namespace sightline_ros {
@@ -56,6 +57,8 @@ std::optional<core::Refusal> refusalOf(const sightline::SightingArray& message) 
   if (message.sensor.empty()) {
     return core::Refusal{"no sensor name", "sensor is empty: give every sensor a unique name"};
   }
+  if (auto refusal = core::whyTooLong("the sensor's name", message.sensor)) return refusal;
+  if (auto refusal = core::whyTooLong("header.frame_id", message.header.frame_id)) return refusal;
   if (message.header.frame_id.empty()) {
     return core::Refusal{"bad frame", "header.frame_id is empty: set it to the sensor's frame"};
   }

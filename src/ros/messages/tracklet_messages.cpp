@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "sightline/core/model/name.h"
 #include "sightline/core/model/sphere.h"
 #include "sightline/ros/messages/conversions.h"
 
@@ -21,6 +22,7 @@ std::optional<core::Refusal> whyUnusable(const sightline::Tracklet& message, con
                                          const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
   if (message.track == 0) return core::invalid("id 0 means no track; ids start at 1");
   if (message.sensor.empty()) return core::invalid("the sensor is not named");
+  if (auto refusal = core::whyTooLong("the sensor's name", message.sensor)) return refusal;
   if (message.stamp > newest) return core::invalid("its stamp is after the message's");
   if (!(message.sightings > 0.0) || !std::isfinite(message.sightings))
     return core::invalid("sightings " + std::to_string(message.sightings) + " is not a number > 0");

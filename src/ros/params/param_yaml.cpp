@@ -13,12 +13,16 @@
 namespace sightline_ros {
 namespace {
 
+constexpr std::size_t kMostDepth = 50;      // levels of maps and lists in a file
+constexpr std::size_t kMostValues = 20000;  // in a file
+constexpr std::size_t kMostLetters = 200;   // of a name that is quoted
+
 using XmlRpc::XmlRpcValue;
 
 constexpr double kRadiansPerDegree = sightline::core::kDegree;
 
-bool matches(const std::string& text, const char* pattern) {
-  return std::regex_match(text, std::regex(pattern));
+bool matches(const std::string& text, const std::regex& pattern) {
+  return std::regex_match(text, pattern);
 }
 
 std::string without(const std::string& text, char unwanted) {
@@ -44,7 +48,8 @@ XmlRpcValue integerOf(const std::string& name, const std::string& scalar) {
 }
 
 double infinityOrNan(const std::string& scalar) {
-  if (matches(scalar, "\\.(nan|NaN|NAN)")) return std::numeric_limits<double>::quiet_NaN();
+  static const std::regex nan("\\.(nan|NaN|NAN)");
+  if (matches(scalar, nan)) return std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   return scalar[0] == '-' ? -infinity : infinity;
 }
@@ -60,21 +65,37 @@ XmlRpcValue angleOf(const std::string& name, const std::string& scalar) {
 }
 
 XmlRpcValue plainScalar(const std::string& name, const std::string& scalar) {
-  if (matches(scalar, "~|null|Null|NULL|")) return XmlRpcValue();
-  if (matches(scalar, "yes|Yes|YES|true|True|TRUE|on|On|ON")) return XmlRpcValue(true);
-  if (matches(scalar, "no|No|NO|false|False|FALSE|off|Off|OFF")) return XmlRpcValue(false);
-  if (matches(scalar, "[-+]?(0b[0-1_]+|0[0-7_]*|[1-9][0-9_]*|0x[0-9a-fA-F_]+)")) {
+  static const std::regex null("~|null|Null|NULL|");
+  static const std::regex yes("yes|Yes|YES|true|True|TRUE|on|On|ON");
+  static const std::regex no("no|No|NO|false|False|FALSE|off|Off|OFF");
+  static const std::regex integer("[-+]?(0b[0-1_]+|0[0-7_]*|[1-9][0-9_]*|0x[0-9a-fA-F_]+)");
+  static const std::regex real(
+      "[-+]?[0-9][0-9_]*\\.[0-9_]*([eE][-+][0-9]+)?|[-+]?\\.[0-9][0-9_]*([eE][-+][0-9]+)?");
+  static const std::regex infinite("[-+]?\\.(inf|Inf|INF)|\\.(nan|NaN|NAN)");
+  static const std::regex angle("(deg|rad)\\([^)]*\\)");
+  if (matches(scalar, null)) return XmlRpcValue();
+  if (matches(scalar, yes)) return XmlRpcValue(true);
+  if (matches(scalar, no)) return XmlRpcValue(false);
+  if (matches(scalar, integer)) {
     return integerOf(name, scalar);
   }
-  if (matches(scalar, "[-+]?[0-9][0-9_]*\\.[0-9_]*([eE][-+][0-9]+)?|[-+]?\\.[0-9][0-9_]*([eE][-+][0-9]+)?")) {
+  if (matches(scalar, real)) {
     return XmlRpcValue(std::strtod(without(scalar, '_').c_str(), nullptr));
   }
-  if (matches(scalar, "[-+]?\\.(inf|Inf|INF)|\\.(nan|NaN|NAN)")) return XmlRpcValue(infinityOrNan(scalar));
-  if (matches(scalar, "(deg|rad)\\([^)]*\\)")) return angleOf(name, scalar);
+  if (matches(scalar, infinite)) return XmlRpcValue(infinityOrNan(scalar));
+  if (matches(scalar, angle)) return angleOf(name, scalar);
   return XmlRpcValue(scalar);
 }
 
-XmlRpcValue treeOf(const std::string& name, const YAML::Node& node) {
+/// `depth`: of the node below the root. `left`: how many more values the file may have, with those that
+/// aliases repeat.
+XmlRpcValue treeOf(const std::string& name, const YAML::Node& node, std::size_t depth, std::size_t& left) {
+  if (depth > kMostDepth)
+    throw ParamError(name.substr(0, kMostLetters) + "...: nested deeper than " + std::to_string(kMostDepth) +
+                     " levels; does an alias (*) stand within what it repeats?");
+  if (left-- == 0)
+    throw ParamError(name + ": more than " + std::to_string(kMostValues) +
+                     " values; do aliases (*) repeat one another?");
   if (node.IsScalar()) {
     const bool in_quotes = node.Tag() == "!";
     return in_quotes ? XmlRpcValue(node.Scalar()) : plainScalar(name, node.Scalar());
@@ -83,14 +104,14 @@ XmlRpcValue treeOf(const std::string& name, const YAML::Node& node) {
   if (node.IsSequence()) {
     tree.setSize(static_cast<int>(node.size()));
     for (std::size_t i = 0; i < node.size(); ++i) {
-      tree[static_cast<int>(i)] = treeOf(name + "[" + std::to_string(i) + "]", node[i]);
+      tree[static_cast<int>(i)] = treeOf(name + "[" + std::to_string(i) + "]", node[i], depth + 1, left);
     }
   } else if (node.IsMap()) {
     tree.begin();  // makes it a struct, even when it stays empty
     for (const auto& member : node) {
       const std::string key = member.first.Scalar();
       if (tree.hasMember(key)) throw ParamError(name + "/" + key + ": given twice");
-      tree[key] = treeOf(name + "/" + key, member.second);
+      tree[key] = treeOf(name + "/" + key, member.second, depth + 1, left);
     }
   }
   return tree;
@@ -105,7 +126,8 @@ XmlRpcValue treeOfFile(const std::string& file) {
   } catch (const YAML::Exception& problem) {
     throw ParamError(file + ": not YAML: " + problem.what());
   }
-  return treeOf(file, root);
+  std::size_t left = kMostValues;
+  return treeOf(file, root, 0, left);
 }
 
 bool isMap(const XmlRpcValue& tree) {

@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <console_bridge/console.h>
 #include <filesystem>
+#include <iomanip>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -99,6 +101,14 @@ void writeBag(const std::string& file, const std::vector<std::string>& inputs,
     throw;
   }
   bag.finish();
+}
+
+std::runtime_error brokenMessage(const rosbag::MessageInstance& instance) {
+  std::ostringstream why;
+  why << std::fixed << std::setprecision(3) << "the message on " << instance.getTopic()
+      << " that was recorded at " << instance.getTime().toSec() << " s is shorter than its type "
+      << instance.getDataType() << " says: leave it out (rosbag filter IN.bag OUT.bag \"t.to_sec() != ...\")";
+  return std::runtime_error(why.str());
 }
 
 bool isTopicPart(const std::string& name) {

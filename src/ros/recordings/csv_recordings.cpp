@@ -209,7 +209,7 @@ std::string convertBagToCsv(const std::string& bag_file, const std::string& csv,
   rosbag::View view(*bag, rosbag::TypeQuery(ros::message_traits::datatype<sightline::TrackArray>()));
   for (const rosbag::MessageInstance& instance : view) {
     if (!isWanted(topics, instance.getTopic())) continue;
-    const auto tracks = instance.instantiate<sightline::TrackArray>();
+    const auto tracks = messageIn<sightline::TrackArray>(instance);
     if (!tracks)
       throw std::runtime_error(bag_file + ": " + instance.getTopic() +
                                " has another definition of TrackArray");
@@ -234,7 +234,7 @@ std::string convertBagToSightingCsv(const std::string& bag_file, const std::stri
   std::size_t number = 0;
   for (const rosbag::MessageInstance& instance : view) {
     if (!isWanted(topics, instance.getTopic())) continue;
-    const auto scan = instance.instantiate<sightline::SightingArray>();
+    const auto scan = messageIn<sightline::SightingArray>(instance);
     if (!scan)
       throw std::runtime_error(bag_file + ": " + instance.getTopic() +
                                " has another definition of SightingArray");

@@ -12,6 +12,7 @@
 #include "sightline/formats/geodesy.h"
 #include "sightline/report/csv_table.h"
 #include "sightline/ros/messages/position_messages.h"
+#include "sightline/ros/recordings/bags.h"
 #include "sightline/ros/recordings/station_frames.h"
 
 namespace sightline_ros {
@@ -38,7 +39,7 @@ bool isGeodetic(const std::string& path) {
 formats::Station worldOf(const rosbag::Bag& bag, const std::string& path) {
   rosbag::View view(bag, rosbag::TopicQuery(kWorldOriginTopic));
   for (const rosbag::MessageInstance& instance : view) {
-    const auto fix = instance.instantiate<sensor_msgs::NavSatFix>();
+    const auto fix = messageIn<sensor_msgs::NavSatFix>(instance);
     if (fix) return {fix->latitude * core::kDegree, fix->longitude * core::kDegree, fix->altitude};
   }
   throw std::runtime_error(path + ": has latitudes, but the recording does not say where its world is (" +
@@ -91,7 +92,7 @@ std::map<std::string, core::TruePath> positionTruthFromTopic(const std::string& 
   std::map<std::string, core::TruePath> paths;
   rosbag::View view(bag, rosbag::TopicQuery(topic));
   for (const rosbag::MessageInstance& instance : view) {
-    const auto message = instance.instantiate<sightline::PositionTrackArray>();
+    const auto message = messageIn<sightline::PositionTrackArray>(instance);
     if (!message) continue;
     const core::PositionTrackArray truth = toCore(*message);
     for (const core::PositionTrack& track : truth.tracks)

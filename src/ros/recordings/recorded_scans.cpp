@@ -11,6 +11,7 @@
 #include "sightline/report/value_text.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/framed_scan.h"
+#include "sightline/ros/recordings/bags.h"
 
 namespace sightline_ros {
 
@@ -46,7 +47,7 @@ RecordingSurvey surveyOf(const rosbag::Bag& bag) {
   core::ArrivalSurvey arrivals(kMostDelay);
   rosbag::View view(bag, rosbag::TypeQuery(ros::message_traits::datatype<SightingArray>()));
   for (const rosbag::MessageInstance& instance : view) {
-    const auto scan = instance.instantiate<SightingArray>();
+    const auto scan = messageIn<SightingArray>(instance);
     if (!scan)
       throw std::runtime_error(instance.getTopic() +
                                " was recorded with another definition of SightingArray");

@@ -12,6 +12,7 @@
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/framed_scan.h"
 #include "sightline/ros/messages/station_pose.h"
+#include "sightline/ros/recordings/bags.h"
 #include "sightline/ros/recordings/recorded_transforms.h"
 
 namespace sightline_ros {
@@ -29,7 +30,7 @@ std::map<std::string, FirstScan> firstScansOf(const rosbag::Bag& bag) {
   std::map<std::string, FirstScan> first;
   rosbag::View view(bag, rosbag::TypeQuery(ros::message_traits::datatype<SightingArray>()));
   for (const rosbag::MessageInstance& instance : view) {
-    const auto scan = instance.instantiate<SightingArray>();
+    const auto scan = messageIn<SightingArray>(instance);
     if (!scan || refusalOf(*scan)) continue;
     const auto [entry, is_new] =
         first.try_emplace(scan->sensor, FirstScan{scan->header.frame_id, scan->header.stamp});

@@ -10,6 +10,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "sightline/ros/messages/conversions.h"
+#include "sightline/ros/recordings/bags.h"
 
 namespace sightline_ros {
 
@@ -21,7 +22,7 @@ std::vector<geometry_msgs::TransformStamped> transformsOn(const std::string& top
   std::vector<geometry_msgs::TransformStamped> transforms;
   rosbag::View view(bag, rosbag::TopicQuery(topic));
   for (const rosbag::MessageInstance& instance : view) {
-    const auto message = instance.instantiate<tf2_msgs::TFMessage>();
+    const auto message = messageIn<tf2_msgs::TFMessage>(instance);
     if (!message) continue;
     transforms.insert(transforms.end(), message->transforms.begin(), message->transforms.end());
   }

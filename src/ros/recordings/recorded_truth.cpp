@@ -16,6 +16,7 @@
 #include "sightline/report/csv_table.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/evaluation_messages.h"
+#include "sightline/ros/recordings/bags.h"
 
 namespace sightline_ros {
 
@@ -93,7 +94,7 @@ RecordedTruth truthFromBag(const rosbag::Bag& bag, const std::string& topic) {
   RecordedTruth truth;
   rosbag::View view(bag, rosbag::TopicQuery(topic));
   for (const rosbag::MessageInstance& instance : view) {
-    const auto message = instance.instantiate<TrackArray>();
+    const auto message = messageIn<TrackArray>(instance);
     if (!message)
       throw std::runtime_error(topic + ": expected sightline/TrackArray, got " + instance.getDataType());
     truth.frame = message->header.frame_id;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
+#include <future>
 #include <iomanip>
 #include <optional>
 #include <set>
@@ -84,7 +85,9 @@ class Replay {
   void follow(const DueScans& due);
   void startAnew(core::Time time);
   void follow(const SightingArray::ConstPtr& scan);
-  std::vector<TrackerReport> track(Tracker& tracker, const SightingArray::ConstPtr& scan);
+  static std::vector<TrackerReport> track(Tracker& tracker, const SightingArray::ConstPtr& scan);
+  static core::Time endOfWait(const Tracker& tracker, const SightingArray::ConstPtr& scan);
+  void note(Tracker& tracker, const std::vector<TrackerReport>& reports);
   void use(const Tracker& tracker, const std::vector<TrackerReport>& reports);
   void writeSmoothed();
   void sendOverdueTracklets(core::Time now);
@@ -219,7 +222,7 @@ ReplaySummary Replay::run(const rosbag::Bag& in) {
   for (const rosbag::MessageInstance& message : view) {
     output_.copy(message);
     if (!message.isType<SightingArray>()) continue;
-    const auto scan = message.instantiate<SightingArray>();
+    const auto scan = messageIn<SightingArray>(message);
     topics_[scan->sensor] = message.getTopic();
     follow(scans.take(scan, message.getTime()));
   }
@@ -257,28 +260,45 @@ void Replay::follow(const SightingArray::ConstPtr& scan) {
   sendOverdueTracklets(toCore(scan->header.stamp));
   Tracker& of_sensor = trackers_.at(scan->sensor);
   examination_.take(*scan, topics_[scan->sensor], "", core::Time{});
-  use(of_sensor, track(of_sensor, scan));
-  if (const auto group = group_of_.find(scan->sensor); group != group_of_.end()) {
-    Tracker& of_group = groups_.at(group->second);
-    use(of_group, track(of_group, scan));
+  const auto group = group_of_.find(scan->sensor);
+  Tracker* of_group = group == group_of_.end() ? nullptr : &groups_.at(group->second);
+  // Both know the same transforms then, and what the one says does not move the other: side by side.
+  const bool are_apart = of_group != nullptr && !has_positions_ &&
+                         of_group->component.tfTimeout() == of_sensor.component.tfTimeout();
+  transforms_.advanceTo(endOfWait(of_sensor, scan));
+  std::future<std::vector<TrackerReport>> by_group;
+  if (are_apart) by_group = std::async(std::launch::async, [=] { return track(*of_group, scan); });
+  const std::vector<TrackerReport> by_sensor = track(of_sensor, scan);
+  note(of_sensor, by_sensor);
+  use(of_sensor, by_sensor);
+  if (of_group != nullptr) {
+    if (!are_apart) transforms_.advanceTo(endOfWait(*of_group, scan));
+    const std::vector<TrackerReport> reports = are_apart ? by_group.get() : track(*of_group, scan);
+    note(*of_group, reports);
+    use(*of_group, reports);
   }
   examination_.turn(transforms_.buffer(), commonFrame());
 }
 
+/// Until when a live tracker would have waited for the transform; here the wait costs nothing.
+core::Time Replay::endOfWait(const Tracker& tracker, const SightingArray::ConstPtr& scan) {
+  return toCore(scan->header.stamp) + core::durationOf(tracker.component.tfTimeout());
+}
+
 std::vector<TrackerReport> Replay::track(Tracker& tracker, const SightingArray::ConstPtr& scan) {
-  const core::Time stamp = toCore(scan->header.stamp);
-  // A live tracker would have waited until then for the transform; here the wait costs nothing.
-  const core::Time end_of_wait = stamp + core::durationOf(tracker.component.tfTimeout());
-  transforms_.advanceTo(end_of_wait);
-  std::vector<TrackerReport> reports = tracker.component.onScan(scan, stamp);
-  for (auto& report : tracker.component.onTransforms(end_of_wait)) reports.push_back(std::move(report));
+  std::vector<TrackerReport> reports = tracker.component.onScan(scan, toCore(scan->header.stamp));
+  for (auto& report : tracker.component.onTransforms(endOfWait(tracker, scan)))
+    reports.push_back(std::move(report));
+  return reports;
+}
+
+void Replay::note(Tracker& tracker, const std::vector<TrackerReport>& reports) {
   for (const auto& report : reports) {
     output_.write(report, tracker.component.name(), tracker.topics);
     if (tracker.smoothed) tracker.smoothed->keep(report);
     examination_.take(*report.associations, tracker.topics.associations);
     if (report.tracks) examination_.take(*report.tracks, tracker.topics.tracks);
   }
-  return reports;
 }
 
 /// What a tracker says goes to the fusion or, where there are positions, to their tracker.

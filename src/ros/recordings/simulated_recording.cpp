@@ -145,7 +145,9 @@ SimulatedRecordingSummary recordSimulation(const core::Scenario& scenario,
 
 std::string scenarioFile(const std::string& name) {
   const fs::path folder = fs::path(ros::package::getPath("sightline")) / "config/scenarios";
-  fs::path file = name.find('/') != std::string::npos ? fs::path(name) : folder / name;
+  const bool is_path = name.find('/') != std::string::npos ||
+                       (fs::path(name).extension() == ".yaml" && fs::is_regular_file(name));
+  fs::path file = is_path ? fs::path(name) : folder / name;
   if (file.extension() != ".yaml") file += ".yaml";
   if (fs::exists(file)) return file;
   std::vector<std::string> known;

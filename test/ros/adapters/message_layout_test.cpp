@@ -196,5 +196,33 @@ TEST(MessageLayout, ADefinitionThatIsNoneIsRefused) {
   EXPECT_THROW(MessageLayout("acme/Bad", "this is not ! a definition"), FieldError);
 }
 
+TEST(MessageLayout, ADefinitionWithoutEndIsRefused) {
+  const auto complaint = [](const std::string& definition) {
+    return complaintOf<FieldError>([&] { MessageLayout("a/A", definition); });
+  };
+  EXPECT_NE(complaint("A next\n").find("a/A contains itself"), std::string::npos);
+  EXPECT_NE(complaint("B b\n===\nMSG: a/B\nA[] more\n").find("contains itself"), std::string::npos);
+  EXPECT_NE(complaint("int8[99999999999999999999] x\n").find("99999999999999999999 elements"),
+            std::string::npos);
+  std::string nested = "T0 x\n";
+  for (int level = 0; level < 100; ++level)
+    nested += "===\nMSG: a/T" + std::to_string(level) + "\nT" + std::to_string(level + 1) + " x\n";
+  EXPECT_NE(complaint(nested).find("nested deeper than 32"), std::string::npos);
+}
+
+TEST(MessageLayout, FieldsThatTakeNoBytesTakeNoTime) {
+  // Twice as many at each level: 2^30 of nothing.
+  std::string definition = "T0[1000000] many\nfloat64 value\n";
+  for (int level = 0; level < 30; ++level) {
+    const std::string next = "T" + std::to_string(level + 1);
+    definition += "===\nMSG: a/T" + std::to_string(level) + "\n" + next + " x\n" + next + " y\n";
+  }
+  definition += "===\nMSG: a/T30\n";
+  const MessageLayout layout("a/A", definition);
+  const double value = 1.5;
+  const Bytes message{reinterpret_cast<const std::uint8_t*>(&value), sizeof value};
+  EXPECT_EQ(layout.number(message, layout.whole(), "value"), 1.5);
+}
+
 }  // namespace
 }  // namespace sightline_ros

@@ -214,4 +214,20 @@ TEST(ParamReader, FilesThatCannotBeReadAreNamed) {
   EXPECT_THROW(readerOf("- 1\n- 2\n"), ParamError);
 }
 
+TEST(ParamReader, AYamlFileWithoutEndIsRefused) {
+  const auto complaint = [](const std::string& text) { return refusal([&] { readerOf(text); }); };
+  EXPECT_NE(complaint("a: &a [1, *a]\n").find("does an alias (*) stand within what it repeats?"),
+            std::string::npos);
+  std::string repeated = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n";  // ten times as many in each line
+  for (int k = 1; k < 5; ++k) {
+    const std::string below = "*a" + std::to_string(k - 1), name = "a" + std::to_string(k);
+    repeated += name + ": &" + name + " [" + below;
+    for (int n = 1; n < 10; ++n) repeated += ", " + below;
+    repeated += "]\n";
+  }
+  EXPECT_NE(complaint(repeated).find("more than 20000 values; do aliases (*) repeat one another?"),
+            std::string::npos);
+  EXPECT_EQ(complaint("a: &a [1, 2]\nb: *a\n"), "");
+}
+
 }  // namespace

@@ -1,12 +1,16 @@
 #include "sightline/ros/recordings/bags.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <stdexcept>
+#include <topic_tools/shape_shifter.h>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include <rosbag/view.h>
+#include <std_msgs/Header.h>
 #include <std_msgs/String.h>
 
 #include "support/complaint.h"
@@ -86,6 +90,31 @@ TEST(Bags, WhatTheFillerThrowsIsPassedOnAndNothingIsLeft) {
                 [&] { writeBag(file, {}, [](rosbag::Bag&) { throw std::runtime_error("no"); }); }),
             "no");
   EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(file).parent_path()));
+}
+
+TEST(Bags, AMessageThatWasCutIsNamedWithItsTopicAndTime) {
+  const ScratchFolder folder;
+  const std::string file = folder.file("cut.bag");
+  {
+    rosbag::Bag bag(file, rosbag::bagmode::Write);
+    topic_tools::ShapeShifter message;
+    message.morph(ros::message_traits::md5sum<std_msgs::String>(),
+                  ros::message_traits::datatype<std_msgs::String>(),
+                  ros::message_traits::definition<std_msgs::String>(), "");
+    std::vector<std::uint8_t> bytes = {5, 0, 0, 0, 'a', 'b'};  // a text of five letters
+    ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+    message.read(stream);
+    bag.write("/text", ros::Time(12.5), message);
+  }
+  const auto bag = openBag(file);
+  rosbag::View view(*bag);
+  EXPECT_FALSE(messageIn<std_msgs::Header>(*view.begin())) << "of another type";
+  const std::string said =
+      complaintOf<std::runtime_error>([&] { messageIn<std_msgs::String>(*view.begin()); });
+  EXPECT_EQ(said.find("the message on /text that was recorded at 12.500 s is shorter than its type "
+                      "std_msgs/String says"),
+            0u)
+      << said;
 }
 
 TEST(Bags, TopicPartsAreLettersDigitsAndUnderscores) {

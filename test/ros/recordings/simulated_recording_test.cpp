@@ -1,6 +1,7 @@
 #include "sightline/ros/recordings/simulated_recording.h"
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -128,6 +129,13 @@ TEST(ScenarioFile, NameAndPathLeadToTheSameFileAndUnknownOnesToTheList) {
   EXPECT_EQ(sightline_ros::scenarioFile("crowd"), sightline_ros::scenarioFile("crowd.yaml"));
   EXPECT_EQ(sightline_ros::scenarioFile(sightline_ros::scenarioFile("crowd")),
             sightline_ros::scenarioFile("crowd"));
+  const ScratchFolder here;
+  here.write("own.yaml", "seed: 1\n");
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(here.path());
+  EXPECT_EQ(sightline_ros::scenarioFile("own.yaml"), "own.yaml");
+  EXPECT_EQ(sightline_ros::scenarioFile("./own"), "./own.yaml");
+  std::filesystem::current_path(before);
   try {
     sightline_ros::scenarioFile("crowds");
     FAIL() << "no refusal";

@@ -61,6 +61,7 @@ class Reading {
   std::size_t offered() const { return sightings.size() + refusals.size(); }  ///< usable or not
 
   std_msgs::Header header;
+  sightline::core::Duration middle{};                ///< of the exposure, after the header's stamp
   std::vector<sightline::core::Sighting> sightings;  ///< in the frame of `header`
   std::vector<sightline::core::Refusal> refusals;
   std::size_t unknown_covariances = 0;  ///< in whose place the configured sigma was used

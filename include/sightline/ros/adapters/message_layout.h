@@ -30,7 +30,8 @@ struct Bytes {
 /// `targets.2.pose.position.x`; a slash before the first name is ignored.
 class MessageLayout {
  public:
-  /// `type`: package/Name. `definition`: the full text, with those of the nested types. Throws FieldError.
+  /// `type`: package/Name. `definition`: the full text, with those of the nested types. Throws FieldError, of
+  /// one without end too.
   MessageLayout(const std::string& type, const std::string& definition);
 
   /// A value within a message, or the message itself.
@@ -71,6 +72,7 @@ class MessageLayout {
   std::optional<Place> findIn(const Bytes& message, const Place& from, const std::string& path,
                               std::string* complaint) const;
   void parse(const std::string& type, const std::string& definition);
+  bool settle(const std::string& type, std::vector<std::string> above, std::map<std::string, bool>& known);
   const std::vector<Field>& fieldsOf(const std::string& type) const;
   std::string resolved(const std::string& type, const std::string& inside) const;
   Place at(const Bytes& message, const Field& field, std::size_t offset) const;

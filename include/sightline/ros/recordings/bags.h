@@ -5,11 +5,14 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <ros/message_traits.h>
+#include <ros/serialization.h>
 #include <rosbag/bag.h>
+#include <rosbag/message_instance.h>
 
 #include "sightline/report/output_file.h"
 
@@ -45,6 +48,20 @@ class BagWriter {
 /// disk, and whatever `fill` throws; then there is no bag.
 void writeBag(const std::string& file, const std::vector<std::string>& inputs,
               const std::function<void(rosbag::Bag& bag)>& fill);
+
+/// What is wrong with a message that does not hold what its type says: topic, time and remedy.
+std::runtime_error brokenMessage(const rosbag::MessageInstance& instance);
+
+/// A message of a recording; null when it is of another type, or of another definition of it. Throws
+/// `brokenMessage` of one that was cut.
+template <typename Message>
+boost::shared_ptr<Message> messageIn(const rosbag::MessageInstance& instance) {
+  try {
+    return instance.instantiate<Message>();
+  } catch (const ros::serialization::StreamOverrunException&) {
+    throw brokenMessage(instance);
+  }
+}
 
 /// The connection header of a latched topic: players publish its last message to whoever subscribes later.
 template <typename Message>

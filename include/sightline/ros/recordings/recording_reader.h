@@ -12,6 +12,7 @@
 
 #include "sightline/core/evaluation/track_report.h"
 #include "sightline/ros/messages/frames.h"
+#include "sightline/ros/recordings/bags.h"
 
 namespace sightline_ros {
 
@@ -47,7 +48,7 @@ class RecordingReader {
 /// The message. Throws std::runtime_error when it was recorded with another definition of its type.
 template <typename Message>
 typename Message::ConstPtr messageOf(const rosbag::MessageInstance& instance) {
-  typename Message::ConstPtr message = instance.instantiate<Message>();
+  typename Message::ConstPtr message = messageIn<Message>(instance);
   if (!message) {
     throw std::runtime_error(instance.getTopic() + " was recorded with another definition of " +
                              instance.getDataType());

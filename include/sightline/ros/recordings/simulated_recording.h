@@ -27,7 +27,8 @@ struct SimulatedRecordingSummary {
 SimulatedRecordingSummary recordSimulation(const sightline::core::Scenario& scenario,
                                            const SimulatedRecordingParams& params, rosbag::Bag& bag);
 
-/// The file of a scenario: a path (with a slash), or a file of config/scenarios with or without `.yaml`.
+/// The file of a scenario: a path (with a slash, or a file here that ends in `.yaml`), or a file of
+/// config/scenarios with or without `.yaml`.
 /// Throws std::runtime_error that names those that there are.
 std::string scenarioFile(const std::string& name);
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sightline/core/fusion/track_alignment.h"
+#include "sightline/core/model/name.h"
 
 namespace sightline::core {
 namespace {
@@ -33,6 +34,7 @@ std::optional<Refusal> invalidityOf(const Track& track) {
     detail << "existence " << track.existence << " is no probability: give NaN where it is not computed";
     return invalid(detail.str());
   }
+  if (auto refusal = whyTooLong(track.sources)) return refusal;
   return rejectionOf(track.state);
 }
 
@@ -53,6 +55,7 @@ std::optional<Refusal> LocalReports::take(const LocalReport& report, std::option
 
 std::optional<Refusal> LocalReports::refusalOf(const LocalReport& report) const {
   if (report.tracker.empty()) return Refusal{"no name", "a tracker's report must name it"};
+  if (auto refusal = whyTooLong("the tracker's name", report.tracker)) return refusal;
   std::ostringstream detail;
   const auto known = trackers_.find(report.tracker);
   if (known == trackers_.end()) {
@@ -94,6 +97,7 @@ void LocalReports::replace(Tracker& tracker, const LocalReport& report) const {
       continue;
     }
     LocalTrack local{track, report.time, invalidityOf(track)};
+    if (local.invalid) local.track.sources.clear();  // however many, however long
     remember(before, local);
     if (!tracker.tracks.try_emplace(track.id, std::move(local)).second)
       tracker.surplus[track.id] = {"invalid", "the report has this id more than once"};

@@ -199,5 +199,16 @@ TEST(LocalReports, NamelessTrackerIsRefused) {
   EXPECT_TRUE(reports.trackers().empty());
 }
 
+TEST(LocalReports, NamesWithoutEndAreRefusedAndNotKept) {
+  LocalReports reports({});
+  EXPECT_EQ(kindOf(reports.take(report(std::string(1000000, 'x'), 1.0))), "invalid");
+  EXPECT_TRUE(reports.trackers().empty());
+  Track from_afar = track(1);
+  from_afar.sources = {std::string(1000000, 'y')};
+  EXPECT_FALSE(reports.take(report("a", 1.0, {from_afar})));
+  EXPECT_EQ(kindOf(reports.find({"a", 1})->invalid), "invalid");
+  EXPECT_TRUE(reports.find({"a", 1})->track.sources.empty());
+}
+
 }  // namespace
 }  // namespace sightline::core

@@ -35,7 +35,8 @@ class TrackletMemory {
   /// tracker's first, and was not overtaken by later ones, wipes out what was known of the tracker.
   std::optional<Refusal> take(const TrackletReport& report);
 
-  /// What is remembered of a local track, in the order in which it came; null when nothing is.
+  /// What is remembered of a local track, in the order in which it came; null when nothing is. Of one of
+  /// which nothing new comes it may be older than `age` by an eighth.
   const std::deque<Remembered>* find(const LocalKey& key) const;
 
   /// Up to when the tracker has reported everything; nullopt when it sends no tracklets.
@@ -51,12 +52,14 @@ class TrackletMemory {
   };
   struct Tracker {
     Time newest{};
+    Time swept{};           // when all tracks were looked through
     std::vector<Gap> gaps;  // in order of time; no report of what was sighted in them has come
     std::map<std::uint32_t, std::deque<Remembered>> tracks;
   };
 
   void noteSpan(Tracker& tracker, bool is_known, const TrackletReport& report) const;
-  void forgetOld(Tracker& tracker) const;
+  void forgetOld(std::deque<Remembered>& tracklets, Time newest) const;
+  void forgetSilent(Tracker& tracker) const;
 
   TrackletMemoryParams params_;
   std::map<std::string, Tracker> trackers_;
