@@ -1,7 +1,6 @@
 #include "sightline/core/smoothing/bank_smoother.h"
 
 #include <algorithm>
-#include <deque>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -23,31 +22,17 @@ struct Arrival {
   std::unique_ptr<NogaConsistentEstimator> ended;  // no step: the filter before it started anew, likewise
 };
 
-/// The filter on its way forward.
-class ForwardPass {
- public:
-  ForwardPass(const NogaConsistentParams& params, const Sightings& sightings)
-      : sightings_(&sightings), estimator_(params) {}
-
-  std::size_t next() const { return next_; }  ///< sighting
-  const NogaConsistentEstimator& estimator() const { return estimator_; }
-
-  Arrival advance() {
-    const ChartedMeasurement& sighting = (*sightings_)[next_];
-    if (next_ > 0 && sighting.R_new_old) estimator_.rotate(*sighting.R_new_old);
-    Arrival arrival;
-    if (next_ > 0 && estimator_.startsAnewAt(sighting.measurement.time))
-      arrival.ended = std::make_unique<NogaConsistentEstimator>(estimator_);
-    arrival.step = estimator_.updateWithStep(sighting.measurement);
-    ++next_;
-    return arrival;
-  }
-
- private:
-  const Sightings* sightings_;
-  NogaConsistentEstimator estimator_;
-  std::size_t next_ = 0;
-};
+Arrival advance(BankFilter& filter, const Sightings& sightings) {
+  const ChartedMeasurement& sighting = sightings[filter.next];
+  NogaConsistentEstimator& estimator = filter.estimator;
+  if (filter.next > 0 && sighting.R_new_old) estimator.rotate(*sighting.R_new_old);
+  Arrival arrival;
+  if (filter.next > 0 && estimator.startsAnewAt(sighting.measurement.time))
+    arrival.ended = std::make_unique<NogaConsistentEstimator>(estimator);
+  arrival.step = estimator.updateWithStep(sighting.measurement);
+  ++filter.next;
+  return arrival;
+}
 
 SmoothedMotion motionAt(const SmoothedBank& smoothed, std::size_t chart_of) {
   return {motionOf(smoothed), chart_of, noiseOf(smoothed)};
@@ -98,48 +83,56 @@ std::size_t lastUpTo(const Sightings& sightings, Time time) {
   return static_cast<std::size_t>(after - sightings.begin()) - 1;
 }
 
-/// All times by all sightings.
-class FixedInterval {
+/// All times of a window by all sightings of it.
+class Window {
  public:
-  FixedInterval(const NogaConsistentParams& params, const Sightings& sightings,
-                const std::vector<Time>& times, Motions& motions)
-      : params_(params), sightings_(sightings), times_(times), motions_(motions), query_(times.size()) {}
+  Window(const std::vector<ResponseModel>& models, const Sightings& sightings, const std::vector<Time>& times,
+         Motions& motions)
+      : models_(models), sightings_(sightings), times_(times), motions_(motions) {}
 
-  void run() {
-    std::vector<ForwardPass> starts;
-    ForwardPass forward(params_, sightings_);
+  /// From a filter up to the sighting `end`; of the times those from `first` up to `last`.
+  void run(BankFilter forward, std::size_t end, std::size_t first, std::size_t last) {
+    first_ = first;
+    query_ = last;
+    const std::size_t begin = forward.next;
+    std::vector<BankFilter> starts;
     std::vector<Arrival> arrivals;
-    arrivals.reserve(std::min(kBlock, sightings_.size()));
-    while (forward.next() < sightings_.size()) {
-      if (forward.next() % kBlock == 0) {
+    arrivals.reserve(std::min(kBlock, end - begin));
+    while (forward.next < end) {
+      if ((forward.next - begin) % kBlock == 0) {
         starts.push_back(forward);
         arrivals.clear();
       }
-      arrivals.push_back(forward.advance());
+      arrivals.push_back(advance(forward, sightings_));
     }
-    const std::size_t last = sightings_.size() - 1;
-    for (; isOpen() && time() > sightings_[last].measurement.time; --query_)
-      motions_[query_ - 1] = predictedAt(forward.estimator(), time(), last);
-    BackwardPass back(params_.models, sightings_, forward.estimator(), last);
+    const std::size_t newest = end - 1;
+    for (; isOpen() && time() > sightings_[newest].measurement.time; --query_)
+      motions_[query_ - 1] = predictedAt(forward.estimator, time(), newest);
+    BackwardPass back(models_, sightings_, forward.estimator, newest);
     for (std::size_t block = starts.size(); block-- > 0;) {
       if (block + 1 < starts.size()) {
         arrivals.clear();
-        for (ForwardPass& again = starts[block]; again.next() < (block + 1) * kBlock;)
-          arrivals.push_back(again.advance());
+        for (BankFilter& again = starts[block]; again.next < begin + (block + 1) * kBlock;)
+          arrivals.push_back(advance(again, sightings_));
       }
-      goBack(back, arrivals, block * kBlock);
+      goBack(back, arrivals, begin + block * kBlock);
     }
+    answerAt(back);
   }
 
  private:
-  bool isOpen() const { return query_ > 0; }
+  bool isOpen() const { return query_ > first_; }
   Time time() const { return times_[query_ - 1]; }
 
-  /// Through the sightings from `first` on, of which the arrivals are given.
+  void answerAt(const BackwardPass& back) {
+    const Time here = sightings_[back.at()].measurement.time;
+    for (; isOpen() && time() == here; --query_) motions_[query_ - 1] = back.motion();
+  }
+
+  /// Over the sightings from `first` on, of which the arrivals are given, to the one before.
   void goBack(BackwardPass& back, const std::vector<Arrival>& arrivals, std::size_t first) {
     while (true) {
-      const Time here = sightings_[back.at()].measurement.time;
-      for (; isOpen() && time() == here; --query_) motions_[query_ - 1] = back.motion();
+      answerAt(back);
       if (back.at() == 0) return;
       const Arrival& arrival = arrivals[back.at() - first];
       const Time before = sightings_[back.at() - 1].measurement.time;
@@ -151,38 +144,25 @@ class FixedInterval {
     }
   }
 
-  const NogaConsistentParams& params_;
+  const std::vector<ResponseModel>& models_;
   const Sightings& sightings_;
   const std::vector<Time>& times_;
   Motions& motions_;
-  std::size_t query_;  // times that are still open, of which the last is next
+  std::size_t first_ = 0, query_ = 0;  // times from first_ up to query_ are still open
 };
 
-/// Each time by the sightings up to `lag` later.
+/// Each time by the sightings up to `lag` later, or somewhat more: one way back for a batch of times.
 void smoothWithLag(const NogaConsistentParams& params, const Sightings& sightings,
                    const std::vector<Time>& times, double lag, Motions& motions) {
-  ForwardPass forward(params, sightings);
-  std::deque<Arrival> arrivals;  // of the sightings from `first` on
+  Window window(params.models, sightings, times, motions);
+  BankFilter filter{NogaConsistentEstimator(params)};
   std::size_t first = 0;
-  for (std::size_t q = 0; q < times.size(); ++q) {
-    if (times[q] < sightings.front().measurement.time) continue;
-    const std::size_t last = lastUpTo(sightings, times[q] + durationOf(lag));
-    while (forward.next() <= last) arrivals.push_back(forward.advance());
-    const std::size_t before = lastUpTo(sightings, times[q]);
-    for (; first <= before && arrivals.size() > 1; ++first) arrivals.pop_front();
-    if (before == last && times[q] > sightings[last].measurement.time) {
-      motions[q] = predictedAt(forward.estimator(), times[q], last);
-      continue;
-    }
-    BackwardPass back(params.models, sightings, forward.estimator(), last);
-    while (back.at() > before + 1) back.goBack(arrivals[back.at() - first]);
-    const bool is_between = times[q] > sightings[before].measurement.time;
-    if (back.at() > before && is_between) {
-      motions[q] = back.motionBetween(arrivals[back.at() - first], times[q]);
-      continue;
-    }
-    if (back.at() > before) back.goBack(arrivals[back.at() - first]);
-    motions[q] = back.motion();
+  while (first < times.size() && times[first] < sightings.front().measurement.time) ++first;
+  for (std::size_t last = first; first < times.size(); first = last) {
+    while (last < times.size() && seconds(times[last] - times[first]) <= kLagBatch * lag) ++last;
+    const std::size_t before = lastUpTo(sightings, times[first]);
+    while (filter.next <= before) advance(filter, sightings);
+    window.run(filter, lastUpTo(sightings, times[last - 1] + durationOf(lag)) + 1, first, last);
   }
 }
 
@@ -209,7 +189,19 @@ std::vector<std::optional<SmoothedMotion>> BankSmoother::smooth(
   if (lag)
     smoothWithLag(params_, sightings, times, *lag, motions);
   else
-    FixedInterval(params_, sightings, times, motions).run();
+    Window(params_.models, sightings, times, motions)
+        .run({NogaConsistentEstimator(params_)}, sightings.size(), 0, times.size());
+  return motions;
+}
+
+void advanceBy(BankFilter& filter, const Sightings& sightings, std::size_t count) {
+  for (const std::size_t end = filter.next + count; filter.next < end;) advance(filter, sightings);
+}
+
+Motions smoothedFrom(const BankFilter& filter, const std::vector<ResponseModel>& models,
+                     const Sightings& sightings, const std::vector<Time>& times) {
+  Motions motions(times.size());
+  Window(models, sightings, times, motions).run(filter, sightings.size(), 0, times.size());
   return motions;
 }
 
