@@ -23,6 +23,7 @@
 #include <Eigen/Cholesky>
 
 #include "sightline/core/positions/position_estimator.h"
+#include "sightline/core/positions/position_smoother.h"
 #include "sightline/core/positions/rays.h"
 #include "sightline/core/positions/station_alignment.h"
 #include "sightline/core/positions/station_noise.h"
@@ -65,6 +66,7 @@ class Follower {
     const double reference = core::slowReference(seen.variance, white);
     measurement.ray.covariance = white * across(seen.direction);
     measurement.slow = noise.slowError(reference);
+    measurements.push_back(measurement);
     const core::MeasurementUse use = estimator_.update(measurement);
     if (use == core::MeasurementUse::started) ++starts;
     if (use == core::MeasurementUse::restarted) ++losses;
@@ -88,6 +90,7 @@ class Follower {
   const core::StationNoise& noiseOf(std::size_t station) const { return noise_[station]; }
 
   int starts = 0, losses = 0;
+  std::vector<core::StationMeasurement> measurements;  // taken
 
  private:
   const Recording& recording_;
@@ -150,6 +153,35 @@ std::vector<core::Ray> raysAt(const Recording& recording, const std::vector<std:
   return rays;
 }
 
+/// Where the estimator told a position at a time of the path, and how many cameras saw the drone then.
+struct Told {
+  std::size_t at = 0;
+  int seeing = 0;
+};
+
+void smoothedDrone(const std::vector<core::StationMeasurement>& measurements,
+                   const std::vector<PathPoint>& path, const std::vector<Told>& told) {
+  std::vector<Time> times;
+  for (const Told& at : told) times.push_back(timeAt(path[at.at].time));
+  for (const std::optional<double> lag : {std::optional<double>(), std::optional<double>(0.5)}) {
+    const double start = processorTime();
+    const auto positions = core::PositionSmoother().smooth(measurements, times, lag);
+    const double used = processorTime() - start;
+    std::vector<Sample> samples;
+    for (std::size_t i = 0; i < told.size(); ++i) {
+      if (!positions[i]) continue;
+      const Vector error = positions[i]->mean.head<3>() - path[told[i].at].position;
+      samples.push_back({told[i].seeing, error.norm(),
+                         error.dot(positions[i]->covariance.topLeftCorner<3, 3>().llt().solve(error)) / 3.0,
+                         (positions[i]->mean.tail<3>() - slopeOf(path, told[i].at)).norm()});
+    }
+    printHead(lag ? "drone_5_cameras: smoothed with a lag of 0.5 s" : "drone_5_cameras: smoothed", "m/s");
+    printByStations(samples, path.size());
+    std::printf("%.1f microseconds a sighting, the filter within\n",
+                1e6 * used / static_cast<double>(measurements.size()));
+  }
+}
+
 void drone(const std::string& folder) {
   const auto [recording, path] = readDrone(folder);
   std::vector<std::vector<Seen>> by_station(recording.names.size());
@@ -167,6 +199,7 @@ void drone(const std::string& folder) {
 
   Follower follower(recording);
   std::vector<Sample> samples;
+  std::vector<Told> told_at;
   std::size_t next = 0, asked = 0, told = 0;
   double together_since = std::nan(""), alone_since = std::nan("");  // [s]
   std::vector<double> alone_for;  // how long a position went on with one camera [s]
@@ -192,6 +225,7 @@ void drone(const std::string& folder) {
       }
       if (!state) continue;
       if (is_asked) ++told;
+      told_at.push_back({next, seeing});
       const Vector error = state->mean.head<3>() - point.position;
       const Vector slope = slopeOf(path, next);
       samples.push_back({seeing, error.norm(),
@@ -218,6 +252,7 @@ void drone(const std::string& folder) {
                 recording.names[i].c_str(), std::sqrt(noise.whiteScale()), noise.slowScale(),
                 noise.timeConstant());
   }
+  smoothedDrone(follower.measurements, path, told_at);
 }
 
 void fireball(const std::string& folder) {

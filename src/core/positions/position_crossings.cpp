@@ -174,7 +174,11 @@ void PositionScene::startTargets(Time now) {
     target.last_sighting = estimator->time().value_or(now);
     target.lost.reset();
     target.estimator = std::move(estimator);
-    for (const ViewKey& key : members) locals_.at(key).target = id;
+    for (const ViewKey& key : members) {
+      Local& local = locals_.at(key);
+      local.target = id;
+      for (const StationMeasurement& measurement : local.recent) note(id, now, measurement);
+    }
   }
 }
 

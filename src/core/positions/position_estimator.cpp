@@ -146,6 +146,23 @@ void PositionEstimator::giveUp(const StationMeasurement& last) {
   along_floor_.reset();
 }
 
+/// Of the models' densities, for a step that ends at `time`.
+double PositionEstimator::unitSquaredAt(Time time) const {
+  return seen_.unitSquared(mixed(chain_.probabilities(), beliefs_).mean.head<3>(), time);
+}
+
+PositionStep PositionEstimator::standingStep() const {
+  const auto models = static_cast<std::size_t>(chain_.probabilities().size());
+  PositionStep step{
+      {beliefs_.begin(), beliefs_.begin() + static_cast<std::ptrdiff_t>(models)}, chain_, 0.0, 0.0, {}, {}};
+  for (int i = 0; i < slot_count_; ++i) {
+    const Slot& slot = slots_[static_cast<std::size_t>(i)];
+    step.slow[static_cast<std::size_t>(i)] = slot.slow;
+    step.stations.push_back(slot.station);
+  }
+  return step;
+}
+
 /// Interaction and prediction of all models.
 void PositionEstimator::moveTo(Time time) {  // (S-25), (S-26), (P-4)
   const double h = seconds(time - *time_);
@@ -204,7 +221,7 @@ void PositionEstimator::keepAlongRay(const Eigen::Vector3d& origin) {
   along_floor_ = std::max(variance, along_floor_.value_or(0.0));
 }
 
-MeasurementUse PositionEstimator::update(const StationMeasurement& m) {
+MeasurementUse PositionEstimator::take(const StationMeasurement& m, std::optional<PositionStep>* step) {
   if (!isUsable(m)) return MeasurementUse::refused;
   const std::optional<Time> newest = has_state_ ? time_ : waiting_.newest();
   if (newest && m.time < *newest) return MeasurementUse::refused;
@@ -221,6 +238,11 @@ MeasurementUse PositionEstimator::update(const StationMeasurement& m) {
   }
 
   const double h = seconds(m.time - *time_);
+  if (step) {
+    *step = standingStep();
+    (*step)->h = h;
+    (*step)->unit_squared = unitSquaredAt(m.time);
+  }
   moveTo(m.time);
   for (int i = slot_count_ - 1; i >= 0; --i) {  // the slow errors of stations long silent are forgotten
     const Slot& slot = slots_[static_cast<std::size_t>(i)];

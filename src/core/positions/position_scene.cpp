@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include <Eigen/Cholesky>
@@ -98,7 +99,23 @@ void PositionScene::take(const StationTracklet& in) {
   if (local.recent.size() > kMostRecent) local.recent.erase(local.recent.begin());
 
   const auto target = targets_.find(local.target);
-  if (target != targets_.end()) feed(target->second, measurement, local.reference);
+  if (target == targets_.end()) return;
+  note(local.target, in.tracklet.time, measurement);
+  feed(target->second, measurement, local.reference);
+}
+
+void PositionScene::note(std::uint32_t target, Time taken, const StationMeasurement& measurement) {
+  if (keeps_measurements_) taken_.push_back({target, taken, measurement});
+}
+
+std::vector<TakenMeasurement> PositionScene::handOut(Time begin, Time end) {
+  const auto first_kept = std::find_if(taken_.begin(), taken_.end(),
+                                       [end](const TakenMeasurement& taken) { return taken.taken >= end; });
+  std::vector<TakenMeasurement> out;
+  std::copy_if(taken_.begin(), first_kept, std::back_inserter(out),
+               [begin](const TakenMeasurement& taken) { return taken.taken >= begin; });
+  taken_.erase(taken_.begin(), first_kept);
+  return out;
 }
 
 /// One more measurement of a target; its estimator is copied first when a snapshot shares it.

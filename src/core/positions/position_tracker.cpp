@@ -98,6 +98,13 @@ std::vector<Refusal> PositionTracker::onTracklets(const std::vector<StationTrack
   return refusals;
 }
 
+std::vector<TakenMeasurement> PositionTracker::handOut(bool all) {
+  const Time end = all ? Time::max() : closed_.value_or(Time::min());
+  std::vector<TakenMeasurement> out = scene_.handOut(handed_out_, end);
+  handed_out_ = std::max(handed_out_, end);
+  return out;
+}
+
 std::optional<PositionOutput> PositionTracker::report() {
   while (items_.next() < items_.size()) {
     items_.keepIfDue(scene_);

@@ -62,6 +62,16 @@ struct SlowErrorEstimate {
   Eigen::Matrix<double, 2, 3> basis = Eigen::Matrix<double, 2, 3>::Zero();
 };
 
+/// The way from one measurement to the next, as a smoother needs it.
+struct PositionStep {
+  std::vector<PositionBelief> from;           ///< of each model after the measurement before
+  ModeChain chain;                            ///< likewise
+  double h = 0.0;                             ///< [s], >= 0
+  double unit_squared = 0.0;                  ///< (sigma rho)^2 of the models' densities (P-4) [m^2]
+  std::array<SlowError, kMostStations> slow;  ///< of each slot
+  std::vector<int> stations;                  ///< of each slot
+};
+
 /// One target's position and velocity from directions seen at several places, of known correspondence, in
 /// order of time. NOGA's uncertainty reduction (20)-(23), iterated, in an interacting bank free of scale
 /// (P-4), (P-5); the stations' slow errors are in the state. While one station at rest sees the target alone,
@@ -72,7 +82,14 @@ class PositionEstimator {
   /// Throws std::invalid_argument for a parameter out of range.
   explicit PositionEstimator(const PositionEstimatorParams& params = {});
 
-  MeasurementUse update(const StationMeasurement& measurement);
+  MeasurementUse update(const StationMeasurement& measurement) { return take(measurement, nullptr); }
+
+  /// The same; `step` is the way to the measurement where there was a position before it and it is taken or
+  /// gives the position up, else nullopt. Allocates.
+  MeasurementUse updateWithStep(const StationMeasurement& measurement, std::optional<PositionStep>& step) {
+    step.reset();
+    return take(measurement, &step);
+  }
 
   /// At a time not before the last measurement; nullopt without a position.
   std::optional<PositionState> stateAt(Time time) const;
@@ -85,6 +102,10 @@ class PositionEstimator {
   bool hasState() const { return has_state_; }
   std::optional<Time> time() const { return time_; }  ///< of the last measurement taken
   const ModeArray& probabilities() const { return chain_.probabilities(); }
+
+  /// What each model believes, with the stations whose slow errors are in the state; without a position,
+  /// nothing that counts. As the beginning of a step of no length.
+  PositionStep standingStep() const;
 
   /// Mean normalised innovation squared of the last second, 1 when all is well.
   double misfit() const { return misfit_; }
@@ -99,8 +120,10 @@ class PositionEstimator {
     Eigen::Matrix<double, 2, 3> basis = Eigen::Matrix<double, 2, 3>::Zero();
   };
 
+  MeasurementUse take(const StationMeasurement& measurement, std::optional<PositionStep>* step);
   void start(const PositionBelief& belief, Time now);
   void giveUp(const StationMeasurement& last);
+  double unitSquaredAt(Time time) const;
   void moveTo(Time time);
   int slotOf(const StationMeasurement& measurement);
   void dropSlot(int slot);

@@ -51,6 +51,13 @@ struct StationTracklet {
   StationPose pose;  ///< at the time of the tracklet
 };
 
+/// A measurement that a target's position was updated or started with.
+struct TakenMeasurement {
+  std::uint32_t target = 0;  ///< id
+  Time taken{};              ///< when, in the order of items; one that starts a target is older
+  StationMeasurement measurement;
+};
+
 struct PositionSceneParams {
   PositionEstimatorParams estimator;
   HypothesisParams hypotheses;
@@ -81,6 +88,12 @@ class PositionScene {
 
   void take(const StationTracklet& tracklet);
   void take(const StationTracks& tracks);
+
+  /// From now on keeps what targets are updated with, until it is handed out.
+  void keepMeasurements() { keeps_measurements_ = true; }
+
+  /// The measurements kept that were taken before `end`; those before `begin` have been handed out earlier.
+  std::vector<TakenMeasurement> handOut(Time begin, Time end);
 
   /// The positions at a time not before what was taken last, and what the last decision found.
   PositionOutput output(Time time) const;
@@ -123,6 +136,7 @@ class PositionScene {
   void feed(Target& target, const StationMeasurement& measurement, double reference);
   static bool speaksAt(const Local& local, Time now);
   static int stationsOf(const Target& target);
+  void note(std::uint32_t target, Time taken, const StationMeasurement& measurement);
   void decide(Time now);
   LocalView viewAt(const Local& local, Time now) const;
   void release(std::uint32_t id, const ViewKey& key);
@@ -149,6 +163,8 @@ class PositionScene {
   StationAlignment alignment_;  // by number of the tracker
   std::map<std::pair<std::uint32_t, ViewKey>, int> claims_;  // decisions in turn
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> meetings_;
+  bool keeps_measurements_ = false;
+  std::vector<TakenMeasurement> taken_;
   std::uint32_t next_id_ = 1;
   std::optional<Time> decided_;
   HypothesisDecision decision_;

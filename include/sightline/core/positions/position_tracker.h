@@ -38,6 +38,13 @@ class PositionTracker {
   /// The positions at the time of the newest tracks; nothing before the first.
   std::optional<PositionOutput> report();
 
+  /// From now on keeps what targets are updated with, for a smoother; it must be handed out after reports.
+  void keepMeasurements() { scene_.keepMeasurements(); }
+
+  /// The measurements that no late message can change any more, and that have not been handed out before;
+  /// `all`: those that one could as well, when there will be no further message.
+  std::vector<TakenMeasurement> handOut(bool all = false);
+
  private:
   struct Item {
     Time time{};
@@ -56,6 +63,7 @@ class PositionTracker {
   Timeline<Item, NoUse, PositionScene> items_;
   PositionScene scene_;                                  // has taken the items before the timeline's next
   std::optional<Time> closed_;                           // nothing can be put before it
+  Time handed_out_ = Time::min();                        // measurements taken before it have been handed out
   std::optional<Time> newest_;                           // of all items
   std::optional<Time> reported_;                         // of the newest tracks
   std::set<std::pair<std::string, std::string>> names_;  // of trackers and sensors that have been admitted
