@@ -16,11 +16,8 @@ namespace core = sightline::core;
 
 constexpr double kTentativeOpacity = 0.25;
 constexpr double kGateOpacity = 0.035;
-constexpr std::size_t kMostFullLabels = 3;                   // of more tracks only the numbers are written
-constexpr double kShortLabelDistance = 2.5 * core::kDegree;  // of a number alone, from the track
-constexpr double kLabelDistance = 18.0 * core::kDegree;      // from the rim of the ellipse
-constexpr double kViewTolerance = 1.0;                       // from the view's axis before it is turned [rad]
-constexpr double kClockStep = 1.0;  // backwards, from which a recording starts anew [s]
+constexpr double kViewTolerance = 1.0;  // from the view's axis before it is turned [rad]
+constexpr double kClockStep = 1.0;      // backwards, from which a recording starts anew [s]
 constexpr double kLookedAtRadius = 3.0 * core::kDegree;
 constexpr double kMainShell = 0.99;  // in front of all else; share of the radius
 constexpr double kOutlineStep = 4.0 * core::kDegree;
@@ -69,6 +66,7 @@ void DisplayScene::restartWhenBack(double now) {
     sensors_.clear();
     trackers_.clear();
     truth_.clear();
+    label_sides_.clear();
     view_.reset();
   }
   newest_ = now;
@@ -120,6 +118,7 @@ std::map<std::string, MarkerArray> DisplayScene::draw(double now) {
     if (!isPresent(tracker, now)) tracker.clear();
     if (channel == kMainChannel) {
       drawMainTracks(sheets[channel], now);
+      drawLabels(sheets[channel]);
     } else {
       drawLocalTracks(sheets[channel], channel, now);
     }
@@ -221,7 +220,6 @@ void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
   Canvas canvas = params_.canvas;
   canvas.radius *= kMainShell;
   const TrackMemory& tracker = trackers_.at(kMainChannel);
-  const bool is_crowd = establishedIn(tracker.newest()) > kMostFullLabels;
   Marker dots = dotSheet(canvas, "tracks", 1.2 * core::kDegree);
   Marker ellipses = lineSheet(canvas, "2-sigma ellipses", 0.45 * core::kDegree);
   Marker trails = lineSheet(canvas, "histories", 0.4 * core::kDegree);
@@ -237,27 +235,12 @@ void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
     drawFadingLine(trails, canvas, trailOf(tracker.pathOf(track.id)), dimmed(colour, 0.8));
     drawPrediction(predictions, canvas, state, params_.prediction, dimmed(colour, 0.8));
     drawSources(sources, track, now);
-    array.markers.push_back(labelMarker(track, is_crowd));
   }
   for (Marker* sheet : {&dots, &ellipses, &trails, &predictions, &sources}) {
     array.markers.push_back(finished(std::move(*sheet)));
   }
   drawGates(array, kMainChannel);
   drawLookedAt(array, kMainChannel);
-}
-
-/// In a crowd the number has to do, close by.
-Marker DisplayScene::labelMarker(const sightline::Track& track, bool is_crowd) const {
-  const core::AngularState state = toCore(track).state;
-  if (is_crowd) {
-    return textMarker(params_.canvas, "labels", static_cast<int>(track.id),
-                      walk(state.angles(), kShortLabelDistance * sideOf(state, view())),
-                      std::to_string(track.id), 2.4 * core::kDegree, mainColour());
-  }
-  const double distance = std::min(2.0 * sigmaOf(track), 0.3) + kLabelDistance;
-  return textMarker(params_.canvas, "labels", static_cast<int>(track.id),
-                    walk(state.angles(), distance * sideOf(state, view())), labelOf(track) + errorText(track),
-                    3.2 * core::kDegree, mainColour());
 }
 
 void DisplayScene::drawSources(Marker& lines, const sightline::Track& track, double now) const {

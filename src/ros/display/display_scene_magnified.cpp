@@ -8,22 +8,28 @@ namespace sightline_ros {
 
 namespace core = sightline::core;
 
+/// The inset round the leading track, when that needs one.
+std::optional<Magnifier> DisplayScene::insetNow() const {
+  const sightline::Track* track = leadingTrack();
+  if (track == nullptr || isHidden(kMainChannel, track->id)) return std::nullopt;
+  const double two_sigma = 2.0 * sigmaOf(*track);
+  if (!Magnifier::isNeededFor(two_sigma)) return std::nullopt;
+  const core::AngularState state = toCore(*track).state;
+  return Magnifier(state.angles(), sideOf(state, view()), Magnifier::factorFor(two_sigma, magnification_));
+}
+
 void DisplayScene::drawMagnified(MarkerArray& array, double now) {
   Marker rim = lineSheet(params_.canvas, "rim", 0.15 * core::kDegree);
   Marker dots = dotSheet(params_.canvas, "sightings and tracks", 0.7 * core::kDegree);
   Marker lines = lineSheet(params_.canvas, "2-sigma ellipses and truth", 0.2 * core::kDegree);
-  const sightline::Track* track = leadingTrack();
-  const double two_sigma = track ? 2.0 * sigmaOf(*track) : 0.0;
-  if (track && !isHidden(kMainChannel, track->id) && Magnifier::isNeededFor(two_sigma)) {
-    magnification_ = Magnifier::factorFor(two_sigma, magnification_);
-    const core::AngularState state = toCore(*track).state;
-    const Magnifier magnifier(state.angles(), sideOf(state, view()), magnification_);
-    magnifier.drawRim(rim, params_.canvas, dimmed(mainColour(), 0.7));
-    array.markers.push_back(magnifier.label(params_.canvas, mainColour()));
-    magnifySightings(dots, magnifier, track->id, now);
-    magnifyTracks(lines, magnifier, *track);
-  } else {
-    magnification_ = 0.0;
+  const auto magnifier = insetNow();
+  magnification_ = magnifier ? magnifier->factor() : 0.0;
+  if (magnifier) {
+    const sightline::Track& track = *leadingTrack();
+    magnifier->drawRim(rim, params_.canvas, dimmed(mainColour(), 0.7));
+    array.markers.push_back(magnifier->label(params_.canvas, mainColour()));
+    magnifySightings(dots, *magnifier, track.id, now);
+    magnifyTracks(lines, *magnifier, track);
   }
   for (Marker* sheet : {&rim, &dots, &lines}) array.markers.push_back(finished(std::move(*sheet)));
 }

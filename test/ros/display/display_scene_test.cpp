@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/ros/display/label_places.h"
 #include "sightline/ros/nodes/track_display_node.h"
 
 #include "support/paths.h"
@@ -214,6 +215,33 @@ TEST_F(Scene, TracksOfACrowdHaveTheirNumbersOnly) {
   scene.addTracks(DisplayScene::kMainChannel, report(1.1, many), 1.1);
   sheets = scene.draw(1.1);
   EXPECT_EQ(find(sheets, DisplayScene::kMainChannel, "labels")->text, "1");
+}
+
+TEST_F(Scene, LabelsOfACrowdDoNotLieOverEachOtherOrInTheInset) {
+  std::vector<sightline::Track> many;
+  for (std::uint32_t id = 1; id <= 30; ++id)
+    many.push_back(track(id, 0.02 * (id % 6), 0.02 * static_cast<double>(id / 6)));
+  many.front().covariance[0] = many.front().covariance[5] = 1e-8;  // small enough for the inset
+  scene.addTracks(DisplayScene::kMainChannel, report(1.0, many), 1.0);
+  const Sheets sheets = scene.draw(1.0);
+  std::vector<const Marker*> labels;
+  for (const Marker& marker : sheets.at(DisplayScene::kMainChannel).markers)
+    if (marker.ns == "labels") labels.push_back(&marker);
+  EXPECT_GE(labels.size(), 8U);
+  const auto anglesTo = [](const Marker& marker) {
+    const auto& place = marker.pose.position;
+    return core::anglesOf(Eigen::Vector3d(place.x, place.y, place.z).normalized());
+  };
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Eigen::Vector2d apart = (anglesTo(*labels[i]) - anglesTo(*labels[j])).cwiseAbs();
+      const Eigen::Vector2d size = 0.5 * (sightline_ros::labelSize(labels[i]->text, 2.4 * core::kDegree) +
+                                          sightline_ros::labelSize(labels[j]->text, 2.4 * core::kDegree));
+      EXPECT_TRUE(apart.x() > 0.98 * size.x() || apart.y() > 0.98 * size.y())
+          << labels[i]->text << " on " << labels[j]->text;
+    }
+  }
+  EXPECT_NE(find(sheets, "magnifier", "magnification"), nullptr);
 }
 
 TEST_F(Scene, SpokesTieAGroupsTrackToItsSensorsToo) {

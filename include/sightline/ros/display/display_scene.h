@@ -86,8 +86,9 @@ class DisplayScene {
   void drawMainTracks(MarkerArray& array, double now) const;
   void drawSources(Marker& lines, const sightline::Track& track, double now) const;
   void drawTruth(MarkerArray& array) const;
-  Marker labelMarker(const sightline::Track& track, bool is_crowd) const;
+  void drawLabels(MarkerArray& array);
 
+  std::optional<Magnifier> insetNow() const;
   void drawMagnified(MarkerArray& array, double now);
   void magnifySightings(Marker& dots, const Magnifier& magnifier, std::uint32_t track, double now) const;
   void magnifyTracks(Marker& lines, const Magnifier& magnifier, const sightline::Track& main) const;
@@ -110,10 +111,11 @@ class DisplayScene {
   std::map<std::string, TrackMemory> trackers_;
   TrackMemory truth_;
   std::optional<LookedAt> looked_at_;
-  double newest_ = 0.0;                  // the latest `now` [s]
-  std::optional<Eigen::Vector2d> view_;  // (azimuth, elevation) [rad]
-  double magnification_ = 0.0;           // 0 = none at present
-  std::set<std::string> full_;           // channels that had markers at the last call
+  double newest_ = 0.0;                       // the latest `now` [s]
+  std::optional<Eigen::Vector2d> view_;       // (azimuth, elevation) [rad]
+  std::map<std::uint32_t, int> label_sides_;  // on which side of its track a label stands
+  double magnification_ = 0.0;                // 0 = none at present
+  std::set<std::string> full_;                // channels that had markers at the last call
 };
 
 }  // namespace sightline_ros
