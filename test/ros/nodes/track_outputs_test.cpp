@@ -280,6 +280,24 @@ TEST_F(OutputsOfPositions, OdometryAndPathsFollowTheTargetsAndEndWithThem) {
   for (const auto& message : odometry.messages()) EXPECT_EQ(message.child_frame_id, "target_8");
 }
 
+// roscpp counts in a header what has been published on its topic, listened to or not.
+TEST_F(OutputsOfPositions, NothingIsSentWhileNobodyListens) {
+  int reports = 0;
+  ASSERT_TRUE(comesTrue({5}, [&] { return ++reports > 40; }));
+  ASSERT_TRUE(comesTrue({5, 77}, [] { return isAdvertised("/position_outputs/paths/target_77"); }))
+      << "the reports have not been taken";
+  Received<sensor_msgs::PointCloud2> points(nh_, "/position_outputs/points");
+  Received<geometry_msgs::PoseArray> poses(nh_, "/position_outputs/poses");
+  Received<nav_msgs::Path> path(nh_, "/position_outputs/paths/target_77");
+  ASSERT_TRUE(comesTrue({5, 77}, [&] {
+    return points.messages().size() > 3 && poses.messages().size() > 3 && path.messages().size() > 3;
+  }));
+  EXPECT_LE(points.messages().front().header.seq, 1u);
+  EXPECT_LE(poses.messages().front().header.seq, 1u);
+  EXPECT_LE(path.messages().front().header.seq, 1u);
+  EXPECT_EQ(points.messages()[3].header.seq, points.messages()[0].header.seq + 3u);  // it does count
+}
+
 TEST_F(OutputsOfPositions, TheHeadOnTheMastLooksAtTheOldest) {
   Received<geometry_msgs::QuaternionStamped> head(nh_, "/position_outputs/head");
   ASSERT_TRUE(comesTrue({3, 8}, [&] { return head.messages().size() > 50; }));
