@@ -53,16 +53,18 @@ sightline::AssociationArray::Ptr associationArray(const std::vector<core::Associ
 LocalTrackerComponent::LocalTrackerComponent(const ParamReader& reader, const std::string& name,
                                              const tf2::BufferCore& transforms)
     : LocalTrackerComponent(loadLocalTrackerParams(reader), loadTrackletParams(reader.sub("tracklets")),
-                            loadTrackerFrameParams(reader), trackerNameFrom(reader, name), transforms) {}
+                            loadTrackerFrameParams(reader), trackerNameFrom(reader, name),
+                            reader.number("smoothing_lag", 0.0, atLeast(0.0), "s"), transforms) {}
 
 LocalTrackerComponent::LocalTrackerComponent(const core::LocalTrackerParams& tracker,
                                              const core::TrackletParams& tracklets,
                                              const FrameChangeParams& frames, std::string name,
-                                             const tf2::BufferCore& transforms)
+                                             double smoothing_lag, const tf2::BufferCore& transforms)
     : name_(std::move(name)),
       estimator_(nameOf(tracker.estimator.kind)),
       estimator_params_(tracker.estimator),
       max_lag_(tracker.max_lag),
+      smoothing_lag_(smoothing_lag),
       frames_(frames, transforms),
       stamps_(stampWatchParams(tracker.max_lag)),
       tracking_(

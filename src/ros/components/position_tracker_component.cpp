@@ -218,6 +218,7 @@ void PositionTrackerComponent::takeTracks(const sightline::TrackArray& local, Po
     result.used = 0;
   } else if (answer->output) {
     publish(*answer->output, result);
+    result.taken = numbered(std::move(answer->taken));
   }
 }
 
@@ -285,10 +286,30 @@ void PositionTrackerComponent::publish(const core::PositionOutput& output, Posit
 PositionTrackerComponent::Answer PositionTrackerComponent::handle(core::PositionTracker& tracker,
                                                                   const Input& input) {
   if (const auto* tracklets = std::get_if<std::vector<core::StationTracklet>>(&input))
-    return {tracker.onTracklets(*tracklets), std::nullopt};
+    return {tracker.onTracklets(*tracklets), std::nullopt, {}};
   if (auto refusal = tracker.onTracks(std::get<core::StationTracks>(input)))
-    return {{std::move(*refusal)}, std::nullopt};
-  return {{}, tracker.report()};
+    return {{std::move(*refusal)}, std::nullopt, {}};
+  Answer answer{{}, tracker.report(), {}};
+  answer.taken = tracker.handOut();
+  return answer;
+}
+
+void PositionTrackerComponent::keepMeasurements() {
+  keeps_measurements_ = true;
+  tracker_.change([](core::PositionTracker& tracker) { tracker.keepMeasurements(); });
+}
+
+std::vector<core::TakenMeasurement> PositionTrackerComponent::openMeasurements() {
+  std::vector<core::TakenMeasurement> taken;
+  tracker_.change([&taken](core::PositionTracker& tracker) { taken = tracker.handOut(true); });
+  return numbered(std::move(taken));
+}
+
+/// With the ids that are published.
+std::vector<core::TakenMeasurement> PositionTrackerComponent::numbered(
+    std::vector<core::TakenMeasurement> taken) const {
+  for (core::TakenMeasurement& one : taken) one.target += id_offset_;
+  return taken;
 }
 
 std::size_t PositionTrackerComponent::sizeOf(const Input& input) {
@@ -323,7 +344,10 @@ std::optional<double> PositionTrackerComponent::onSimulatedTime(core::Time now) 
 }
 
 void PositionTrackerComponent::reset() {
-  tracker_.change([this](core::PositionTracker& tracker) { tracker = core::PositionTracker(params_); });
+  tracker_.change([this](core::PositionTracker& tracker) {
+    tracker = core::PositionTracker(params_);
+    if (keeps_measurements_) tracker.keepMeasurements();
+  });
   id_offset_ = highest_id_;
   track_origins_.clear();
   tracklet_origins_.clear();

@@ -1,6 +1,7 @@
 #include "sightline/ros/nodes/local_tracker_node.h"
 
 #include <set>
+#include <stdexcept>
 
 #include <ros/console.h>
 #include <sightline/AssociationArray.h>
@@ -27,6 +28,15 @@ std::vector<std::string> topicsFrom(const ParamReader& reader, const ros::NodeHa
   return topics;
 }
 
+std::optional<LiveSmoothing> smoothingOf(const LocalTrackerComponent& component, const ParamReader& reader) {
+  if (!(component.smoothingLag() > 0.0)) return std::nullopt;
+  try {
+    return LiveSmoothing(component.estimatorParams(), component.smoothingLag());
+  } catch (const std::invalid_argument& problem) {
+    throw reader.error("smoothing_lag", problem.what());
+  }
+}
+
 }  // namespace
 
 LocalTrackerNode::LocalTrackerNode(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
@@ -37,20 +47,29 @@ LocalTrackerNode::LocalTrackerNode(const ros::NodeHandle& nh, const ros::NodeHan
     : nh_(nh),
       guard_(nameOfNode(pnh)),
       component_(reader, nameOfNode(pnh), transforms_),
-      health_(silenceFrom(reader), {component_.maxLag(), component_.maxFuture()}) {
+      health_(silenceFrom(reader), {component_.maxLag(), component_.maxFuture()}),
+      smoothing_(smoothingOf(component_, reader)) {
   const std::vector<std::string> topics = topicsFrom(reader, nh);
   reader.finish();
 
   tracks_ = nh_.advertise<sightline::TrackArray>("tracks", kQueue);
   tracklets_ = nh_.advertise<sightline::TrackletArray>("tracklets", kQueue);
   associations_ = nh_.advertise<sightline::AssociationArray>("associations", kQueue);
+  if (smoothing_) {
+    component_.keepSightings();
+    smoothed_ = nh_.advertise<sightline::TrackArray>("tracks_smoothed", kQueue);
+  }
   transform_subscriber_ =
       std::make_unique<TransformSubscriber>(nh_, transforms_, guard_("/tf", [this] { onTransforms(); }));
   timeout_timer_ = nh_.createWallTimer(ros::WallDuration(kSecondsBetweenTimeoutChecks),
                                        guard_("a timer", [this](const ros::WallTimerEvent&) { onTimer(); }));
-  reconfigure_server_.emplace(
-      pnh, Reconfiguration(reader, changeableTrackerParams(),
-                           [this](const auto& changed) { return component_.reconfigure(changed); }));
+  parameters_.emplace(pnh, reader);
+  reconfigure_server_.emplace(pnh,
+                              Reconfiguration(reader, changeableTrackerParams(), [this](const auto& changed) {
+                                auto refusal = component_.reconfigure(changed);
+                                if (!refusal) parameters_->publish(changed);
+                                return refusal;
+                              }));
   diagnostics_.emplace(nh, pnh, "tracking", [this](auto& status, double) { diagnose(status); });
   subscribe(topics);
 }
@@ -81,6 +100,11 @@ void LocalTrackerNode::onTransforms() {
 void LocalTrackerNode::onTimer() {
   onTransforms();
   if (const auto overdue = component_.overdueTracklets(clockNow())) tracklets_.publish(overdue);
+  if (smoothing_) publishSmoothed(smoothing_->overdue(clockNow()));
+}
+
+void LocalTrackerNode::publishSmoothed(const LiveSmoothing::Messages& messages) {
+  for (const sightline::TrackArray::Ptr& message : messages) smoothed_.publish(message);
 }
 
 void LocalTrackerNode::publish(const std::vector<TrackerReport>& reports) {
@@ -88,6 +112,7 @@ void LocalTrackerNode::publish(const std::vector<TrackerReport>& reports) {
     if (report.tracklets) tracklets_.publish(report.tracklets);
     if (report.tracks) tracks_.publish(report.tracks);
     associations_.publish(report.associations);
+    if (smoothing_) publishSmoothed(smoothing_->onReport(report));
     health_.note(report);
     warnOf(report);
   }
@@ -108,6 +133,11 @@ void LocalTrackerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
     ROS_WARN_STREAM(component_.name() << ": " << line);
   health_.diagnose(clockNow(), component_.waiting(), status, watched, component_.calibratedSensors(),
                    component_.stamps(), component_.detection());
+  if (smoothing_) {
+    status.add("smoothing: lag [s]", smoothing_->lag());
+    status.add("smoothing: messages that wait", smoothing_->waiting());
+    status.add("smoothing: sightings too late", smoothing_->late());
+  }
   reconfigure_server_->diagnose(status);
   guard_.diagnose(status);
 }

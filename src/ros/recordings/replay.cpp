@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <future>
-#include <iomanip>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -26,6 +24,7 @@
 #include "sightline/ros/recordings/recorded_transforms.h"
 #include "sightline/ros/recordings/replay_output.h"
 #include "sightline/ros/recordings/replay_parameters.h"
+#include "sightline/ros/recordings/smoothed_positions.h"
 #include "sightline/ros/recordings/smoothed_tracks.h"
 
 namespace sightline_ros {
@@ -108,11 +107,12 @@ class Replay {
   ReplaySummary summary_;
   ReplayOutput output_;
   RecordedTransforms transforms_;
-  std::map<std::string, Tracker> trackers_;      // by sensor
-  std::map<std::string, Tracker> groups_;        // over several sensors, by the group's name
-  std::map<std::string, std::string> group_of_;  // by sensor; sensors that are alone have none
-  TrackFusionComponent fusion_;                  // without positions
-  PositionTrackerComponent positions_;           // with positions
+  std::map<std::string, Tracker> trackers_;              // by sensor
+  std::map<std::string, Tracker> groups_;                // over several sensors, by the group's name
+  std::map<std::string, std::string> group_of_;          // by sensor; sensors that are alone have none
+  TrackFusionComponent fusion_;                          // without positions
+  PositionTrackerComponent positions_;                   // with positions
+  std::optional<SmoothedPositions> smoothed_positions_;  // where they are to be smoothed
   InputExamination examination_;
   std::map<std::string, std::string> topics_;  // of the scans, by sensor
 };
@@ -132,6 +132,10 @@ Replay::Replay(const rosbag::Bag& in, const RecordingSurvey& survey, rosbag::Bag
   for (const RecordedStation& station : found.stations)
     for (const std::string& sensor : station.sensors) fusion_.places()->setFrame(sensor, station.frame);
   has_positions_ = settings.positions.value_or(found.standApart());
+  if (has_positions_ && smooths_) {
+    positions_.keepMeasurements();
+    smoothed_positions_.emplace(positions_.estimatorParams(), lag_);
+  }
   if (has_positions_)
     addStations(found, survey.sensors, config, settings);
   else
@@ -253,6 +257,7 @@ void Replay::startAnew(core::Time time) {
   transforms_.rewind();
   withEachTracker([time](Tracker& tracker) { tracker.component.startAnew(time); });
   fusion_.reset();
+  if (smoothed_positions_) smoothed_positions_->keep(positions_.openMeasurements());
   positions_.reset();
 }
 
@@ -335,6 +340,9 @@ void Replay::writeSmoothed() {
     output_.writeSmoothed(tracker.smoothed->smooth(), tracker.topics);
     tracker.smoothed.reset();
   });
+  if (!smoothed_positions_) return;
+  smoothed_positions_->keep(positions_.openMeasurements());
+  output_.writeSmoothed(smoothed_positions_->smooth());
 }
 
 /// As a node would by its clock: for trackers whose scans end or pause.
@@ -367,6 +375,7 @@ void Replay::locate(const sightline::TrackArray::ConstPtr& tracks, const std::st
 void Replay::note(const std::vector<PositionResult>& results) {
   for (const PositionResult& result : results) {
     output_.write(result);
+    if (smoothed_positions_) smoothed_positions_->keep(result);
     if (!result.notice.empty()) summary_.notices.push_back(positions_.name() + ": " + result.notice);
     for (const core::Refusal& refusal : result.refusals)
       summary_.noteDrop(positions_.name() + ": " + refusal.kind, refusal.detail);
@@ -386,19 +395,6 @@ void Replay::noteLeftOut(const core::FusionReport& report) {
 }
 
 }  // namespace
-
-void ReplaySummary::noteDrop(const std::string& reason, const std::string& example, std::size_t count) {
-  drops[reason] += count;
-  if (!example.empty()) examples.try_emplace(reason, example);
-}
-
-std::string exampleOf(const SightingArray& scan, const std::string& detail) {
-  if (detail.empty()) return "";
-  std::ostringstream words;
-  words << "of " << scan.sensor << " at " << std::fixed << std::setprecision(3) << scan.header.stamp.toSec()
-        << " s in frame \"" << scan.header.frame_id << "\": " << detail;
-  return words.str();
-}
 
 ReplaySummary replay(const std::string& in_file, const std::string& out_file,
                      const ReplaySettings& settings) {

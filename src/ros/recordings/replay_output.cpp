@@ -1,6 +1,9 @@
 #include "sightline/ros/recordings/replay_output.h"
 
 #include <algorithm>
+#include <iomanip>
+#include <sstream>
+#include <utility>
 
 #include <std_msgs/String.h>
 
@@ -13,6 +16,7 @@ namespace {
 const char* const kFusedTracks = "/fusion/tracks";
 const char* const kFusionReport = "/fusion/report";
 const char* const kPositionTracks = "/positions/tracks";
+const char* const kSmoothedPositions = "/positions/tracks_smoothed";
 const char* const kPositionReport = "/positions/report";
 const char* const kPositionPoses = "/positions/poses";
 
@@ -64,7 +68,7 @@ void ReplayOutput::writeParameters(const std::string& text, const ros::Time& beg
 }
 
 void ReplayOutput::replacePositions() {
-  replaced_.insert({kPositionTracks, kPositionReport, kPositionPoses});
+  replaced_.insert({kPositionTracks, kSmoothedPositions, kPositionReport, kPositionPoses});
 }
 
 void ReplayOutput::copy(const rosbag::MessageInstance& message) {
@@ -98,6 +102,13 @@ void ReplayOutput::writeSmoothed(const std::vector<sightline::TrackArray>& track
   for (const sightline::TrackArray& message : tracks) write(message, topics.smoothed);
 }
 
+void ReplayOutput::writeSmoothed(const std::vector<sightline::PositionTrackArray>& positions) {
+  for (const sightline::PositionTrackArray& message : positions) {
+    say(kSmoothedPositions, bagTime(message.header.stamp), message);
+    ++summary_.track_messages;
+  }
+}
+
 void ReplayOutput::write(const FusionResult& fused, const ros::Time& stamp) {
   say(kFusionReport, bagTime(stamp), fused.report);
   if (fused.tracks) write(*fused.tracks, kFusedTracks);
@@ -115,6 +126,19 @@ void ReplayOutput::write(const PositionResult& positions) {
 void ReplayOutput::write(const sightline::TrackArray& tracks, const std::string& topic) {
   say(topic, bagTime(tracks.header.stamp), tracks);
   ++summary_.track_messages;
+}
+
+void ReplaySummary::noteDrop(const std::string& reason, const std::string& example, std::size_t count) {
+  drops[reason] += count;
+  if (!example.empty()) examples.try_emplace(reason, example);
+}
+
+std::string exampleOf(const sightline::SightingArray& scan, const std::string& detail) {
+  if (detail.empty()) return "";
+  std::ostringstream words;
+  words << "of " << scan.sensor << " at " << std::fixed << std::setprecision(3) << scan.header.stamp.toSec()
+        << " s in frame \"" << scan.header.frame_id << "\": " << detail;
+  return words.str();
 }
 
 }  // namespace sightline_ros

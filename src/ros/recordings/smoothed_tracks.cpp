@@ -3,22 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "sightline/ros/components/live_smoothing.h"
 #include "sightline/ros/messages/conversions.h"
 
 namespace sightline_ros {
 
 namespace core = sightline::core;
-
-namespace {
-
-/// The message with the state in it.
-sightline::Track withState(const sightline::Track& message, const core::AngularState& state) {
-  core::Track track = toCore(message);
-  track.state = state;
-  return toMessage(track);
-}
-
-}  // namespace
 
 SmoothedTracks::SmoothedTracks(const core::EstimatorParams& estimator, std::optional<double> lag)
     : smoother_(estimator), lag_(lag) {}

@@ -103,6 +103,8 @@ class LocalTrackerNode : public testing::Test {
   ros::Publisher tf_ = nh_.advertise<tf2_msgs::TFMessage>("/tf", 100);
   Received<sightline::TrackArray> tracks_{nh_, "/node/tracks"};
   Received<sightline::TrackArray> nodelet_tracks_{nh_, "/nodelet/tracks"};
+  Received<sightline::TrackArray> smoothed_{nh_, "/node/tracks_smoothed"};
+  Received<sightline::TrackArray> nodelet_smoothed_{nh_, "/nodelet/tracks_smoothed"};
   Received<sightline::AssociationArray> associations_{nh_, "/node/associations"};
   Received<diagnostic_msgs::DiagnosticArray> diagnostics_{nh_, "/diagnostics"};
 };
@@ -113,6 +115,36 @@ TEST_F(LocalTrackerNode, SightingsBecomeAConfirmedTrackInNodeAndNodeletAlike) {
   EXPECT_TRUE(eventually([&] { return confirmed(nodelet_tracks_, last, 0.3) != nullptr; }));
   EXPECT_EQ(tracks_.messages().back().tracker, "under_test");
   EXPECT_EQ(nodelet_tracks_.messages().back().tracker, "nodelet/local_tracker");
+}
+
+TEST_F(LocalTrackerNode, SmoothedTracksFollowALagLaterAndTheLastOnesWhenNothingMoreComes) {
+  ASSERT_TRUE(eventually([this] { return smoothed_.isConnected() && nodelet_smoothed_.isConnected(); }));
+  const ros::Time last = showTarget(-1.2, "platform_enu", 60);
+  for (auto* heard : {&smoothed_, &nodelet_smoothed_}) {
+    ASSERT_TRUE(eventually([&] { return confirmed(*heard, last, -1.2) != nullptr; }));
+    const auto& plain = heard == &smoothed_ ? tracks_ : nodelet_tracks_;
+    ASSERT_NE(confirmed(plain, last, -1.2), nullptr);
+    EXPECT_EQ(confirmed(*heard, last, -1.2)->id, confirmed(plain, last, -1.2)->id);
+    // In the middle of its sightings the rate is known better than by those before alone.
+    const ros::Time middle = last - ros::Duration(0.4);
+    ASSERT_NE(confirmed(*heard, middle, -1.2), nullptr);
+    EXPECT_LT(confirmed(*heard, middle, -1.2)->covariance[10],
+              0.8 * confirmed(plain, middle, -1.2)->covariance[10]);
+    for (std::size_t i = 1; i < heard->messages().size(); ++i)
+      EXPECT_GE(heard->messages()[i].header.stamp, heard->messages()[i - 1].header.stamp);
+  }
+  EXPECT_TRUE(eventually([&] { return diagnosticOf("smoothing: lag [s]") == "0.2"; }));
+}
+
+TEST_F(LocalTrackerNode, ALagForAnEstimatorWithoutAModelEndsTheNodeWithOneLine) {
+  nh_.setParam("/paper/sighting_topics", std::vector<std::string>{"/nothing"});
+  nh_.setParam("/paper/smoothing_lag", 0.5);
+  nh_.setParam("/paper/noga/form", "paper");
+  const auto [code, said] = outcomeOf("rosrun sightline local_tracker __name:=paper");
+  EXPECT_EQ(code, 1);
+  EXPECT_NE(said.find("/paper/smoothing_lag: "), std::string::npos) << said;
+  EXPECT_NE(said.find("noga of form paper"), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
 }
 
 TEST_F(LocalTrackerNode, EveryTopicOfTheListIsHeard) {

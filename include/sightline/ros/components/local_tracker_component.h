@@ -94,6 +94,7 @@ class LocalTrackerComponent {
   const std::string& trackingFrame() const { return frames_.params().tracking_frame; }
   double maxLag() const { return max_lag_; }  ///< lateness up to which a scan is put in its place [s]
   double maxFuture() const { return frames_.params().max_future; }  ///< [s]
+  double smoothingLag() const { return smoothing_lag_; }            ///< of live smoothing [s]; 0 = none
   double tfTimeout() const { return frames_.params().tf_timeout; }  ///< [s]
 
  private:
@@ -116,7 +117,7 @@ class LocalTrackerComponent {
 
   LocalTrackerComponent(const sightline::core::LocalTrackerParams& tracker,
                         const sightline::core::TrackletParams& tracklets, const FrameChangeParams& frames,
-                        std::string name, const tf2::BufferCore& transforms);
+                        std::string name, double smoothing_lag, const tf2::BufferCore& transforms);
 
   void admit(FramedScan framed, sightline::core::Time now, std::vector<TrackerReport>& reports);
   void startTrackerAnew(sightline::core::Time time);
@@ -131,7 +132,7 @@ class LocalTrackerComponent {
   std::string name_;
   std::string estimator_;
   sightline::core::EstimatorParams estimator_params_;
-  double max_lag_;
+  double max_lag_, smoothing_lag_;
   FrameChange frames_;
   sightline::core::StampGate<FramedScan> stamps_;
   sightline::core::Recoverable<Tracking, Input, Answer> tracking_;

@@ -40,6 +40,9 @@ struct PositionResult {
   sightline::PositionTrackArray::Ptr tracks;       ///< the positions; null unless tracks were used
   sightline::PositionReport::Ptr report;           ///< with `tracks`
   geometry_msgs::PoseArray::Ptr poses;             ///< likewise
+  /// After `keepMeasurements`: what targets were updated with that nothing late can change any more, with
+  /// the ids of `tracks`.
+  std::vector<sightline::core::TakenMeasurement> taken;
 };
 
 /// A position tracker from message to message, without a node round it. Node, nodelet and offline replay hold
@@ -74,6 +77,16 @@ class PositionTrackerComponent {
   /// Forgets everything but the ids: time started again.
   void reset();
 
+  /// From now on results have what targets are updated with, for a smoother.
+  void keepMeasurements();
+
+  /// What has not been in a result because something late could have changed it: when nothing comes any more,
+  /// or before a reset.
+  std::vector<sightline::core::TakenMeasurement> openMeasurements();
+
+  /// Of the positions of targets.
+  const sightline::core::PositionEstimatorParams& estimatorParams() const { return params_.scene.estimator; }
+
   std::size_t waiting() const { return waiting_count_; }
   const std::string& name() const { return name_; }
   const std::string& trackingFrame() const { return frames_.tracking_frame; }
@@ -101,6 +114,7 @@ class PositionTrackerComponent {
   struct Answer {
     std::vector<sightline::core::Refusal> refusals;
     std::optional<sightline::core::PositionOutput> output;
+    std::vector<sightline::core::TakenMeasurement> taken;
   };
 
   static Answer handle(sightline::core::PositionTracker& tracker, const Input& input);
@@ -121,6 +135,8 @@ class PositionTrackerComponent {
   void takeTracklets(const sightline::TrackletArray& local, PositionResult& result);
   std::optional<Answer> take(Input input, PositionResult& result);
   void publish(const sightline::core::PositionOutput& output, PositionResult& result);
+  std::vector<sightline::core::TakenMeasurement> numbered(
+      std::vector<sightline::core::TakenMeasurement> taken) const;
 
   std::string name_;
   FrameChangeParams frames_;
@@ -133,6 +149,7 @@ class PositionTrackerComponent {
   Origins track_origins_, tracklet_origins_;
   std::set<std::pair<std::string, std::string>> sensors_;  // tracker and sensor
   std::map<std::string, Eigen::Vector3d> stations_;
+  bool keeps_measurements_ = false;
   std::uint32_t highest_id_ = 0;  // published
   std::uint32_t id_offset_ = 0;   // of the ids of this tracker, as those before a reset are not used again
   int late_in_a_row_ = 0;         // messages of tracks

@@ -22,7 +22,7 @@ struct ReplaySettings {
   /// Positions instead of fused directions; nullopt = where stations stand more than a metre apart.
   std::optional<bool> positions = std::nullopt;
   bool smooth =
-      false;  ///< also write each local tracker's tracks smoothed, given earlier and later sightings
+      false;  ///< also write each local tracker's tracks, and positions, given earlier and later sightings
   std::optional<double> lag = std::nullopt;  ///< only sightings up to so much later are used [s], >= 0
   /// Of what trackers, fusion and positions say, only these topics are written; a * at the end of one stands
   /// for any rest of a name. Empty = all.
@@ -59,7 +59,8 @@ std::string exampleOf(const sightline::SightingArray& scan, const std::string& d
 /// fused directions there are positions (/positions/tracks, /positions/report).
 ///
 /// With `smooth` the tracks of each local tracker are written once more beside them (/tracks_smoothed), where
-/// they were by all sightings of the recording, or by those up to `lag` later: see TrackSmoother.
+/// they were by all sightings of the recording, or by those up to `lag` later: see TrackSmoother; positions
+/// likewise (/positions/tracks_smoothed): see PositionSmoother.
 ///
 /// Scans are followed in the order of their stamps, however they arrived, with all transforms of the
 /// recording; with `live` as live trackers would have followed them, which drop what is later than `max_lag`

@@ -7,6 +7,7 @@
 
 #include <rosbag/bag.h>
 #include <rosbag/message_instance.h>
+#include <sightline/PositionTrackArray.h>
 #include <sightline/TrackArray.h>
 #include <sightline/TrackletArray.h>
 
@@ -52,6 +53,9 @@ class ReplayOutput {
 
   /// Smoothed tracks, in order of time.
   void writeSmoothed(const std::vector<sightline::TrackArray>& tracks, const TrackerTopics& topics);
+
+  /// Smoothed positions, likewise.
+  void writeSmoothed(const std::vector<sightline::PositionTrackArray>& positions);
 
   /// What the fusion made of tracks with this stamp.
   void write(const FusionResult& fused, const ros::Time& stamp);
