@@ -56,7 +56,11 @@ def direction_series(recording, topic):
 def position_series(recording, topic):
     errors = of_topic(recording.position_errors, topic)
     square = sum(errors['error_%s_m' % axis] ** 2 for axis in 'xyz')
-    return {'rmse_m': Series(errors['time'], square, takes_root=True), 'anees': Series(errors['time'], errors['nees'])}
+    series = {'rmse_m': Series(errors['time'], square, takes_root=True), 'anees': Series(errors['time'], errors['nees'])}
+    if recording.position_gospa:
+        reports = of_topic(recording.position_gospa, topic)
+        series['gospa_m'] = Series(reports['time'], reports['distance'])
+    return series
 
 
 def interval(this, other):

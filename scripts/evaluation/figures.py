@@ -155,7 +155,7 @@ def gospa_figure(part, start, unit):
     x, (unit, size) = times(windows.centres), unit
     traces = [line(x, numbers(windows.means(time, part[column]) / size), name, colour)
               for column, name, colour in (('distance', 'GOSPA', COLOURS[0]), ('localisation', 'of the pairs', COLOURS[2]),
-                                           ('ospa', 'OSPA', COLOURS[5]))]
+                                           ('ospa', 'OSPA', COLOURS[5])) if column in part]
     traces += [line(x, numbers(windows.means(time, part[column])), name, colour, panel=1, fill='tozeroy')
                for column, name, colour in (('missed', 'missed targets', COLOURS[1]), ('false', 'false tracks', COLOURS[3]))]
     layout = panels(['GOSPA [%s]' % unit, 'number'], 190)

@@ -52,7 +52,7 @@ class Recording:
     """What was written of one recording by `evaluate --html`; a table that is not there is empty."""
 
     def __init__(self, folder):
-        for name in ('errors', 'gospa', 'evaluation', 'position_errors', 'positions', 'innovations', 'lives', 'sensors', 'scene',
+        for name in ('errors', 'gospa', 'evaluation', 'position_errors', 'position_gospa', 'positions', 'innovations', 'lives', 'sensors', 'scene',
                      'recorded', 'settings'):
             setattr(self, name, table_in(folder, name))
         self.settings = dict(zip(self.settings['key'], self.settings['value']))

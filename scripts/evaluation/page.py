@@ -51,6 +51,8 @@ def position_figures(recording, topic):
     figures = {'errors': error_figure(part, recording.start, columns, ('m', 1.0)),
                'nees': nees_figure(part, recording.start, [('nees', 3, 'position')]),
                'identities': identity_figure(recording, part, topic)}
+    if recording.position_gospa and topic in set(recording.position_gospa['topic']):
+        figures['gospa'] = gospa_figure(of_topic(recording.position_gospa, topic), recording.start, ('m', 1.0))
     if recording.scene:
         figures['scene'] = metric_map(recording, topic)
     return figures

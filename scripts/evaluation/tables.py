@@ -6,8 +6,8 @@ import numpy as np
 
 from evaluation.differences import BLOCK, FEW_BLOCKS, RESAMPLES, SEED, differences
 
-PARAMETERS = ('Parameters are known of what `replay` tracked: /replay/parameters has those that it was given, and all others '
-              'had their defaults. Of what was tracked live, a recording tells only trackers, estimators, rules and frames.')
+PARAMETERS = ('Of what `replay` tracked, /replay/parameters has the parameters that it was given, and all others had their defaults. Of '
+              'what was tracked live, /NODE/parameters has all numbers, switches and words, where they were recorded.')
 
 
 def text(value):

@@ -82,4 +82,16 @@ std::string positionErrorLine(const std::string& topic, core::Time time,
   return line.str();
 }
 
+std::string positionGospaHeader() {
+  return "topic,time,distance,localisation,missed,false\n";
+}
+
+std::string positionGospaLine(const std::string& topic, core::Time time, const core::Gospa& gospa) {
+  std::ostringstream line;
+  line << csvCell(topic) << ',' << std::fixed << std::setprecision(9)
+       << core::seconds(time.time_since_epoch()) << ',' << orEmpty(gospa.distance) << ','
+       << orEmpty(gospa.localisation) << ',' << gospa.missed << ',' << gospa.extra << '\n';
+  return line.str();
+}
+
 }  // namespace sightline::report

@@ -22,4 +22,8 @@ std::string positionErrorHeader();
 std::string positionErrorLine(const std::string& topic, core::Time time,
                               const core::PositionEvaluation::Pair& pair);
 
+/// One line a report of its GOSPA and parts: distances in metres.
+std::string positionGospaHeader();
+std::string positionGospaLine(const std::string& topic, core::Time time, const core::Gospa& gospa);
+
 }  // namespace sightline::report

@@ -82,6 +82,7 @@ bool PositionEvaluation::isKnown(Time time) const {
 
 std::vector<PositionEvaluation::Pair> PositionEvaluation::add(Time time,
                                                               const std::vector<EstimatedPosition>& tracks) {
+  last_gospa_.reset();
   if (!isKnown(time)) return {};
   std::vector<std::string> names;
   std::vector<PositionTruth> truths;
@@ -111,7 +112,8 @@ std::vector<PositionEvaluation::Pair> PositionEvaluation::add(Time time,
       if (d <= c) within_cutoff(row, column) = d;
     }
   }
-  gospa_.add(gospaOfDistances(within_cutoff, {c, 2.0}).distance);
+  last_gospa_ = gospaOfDistances(within_cutoff, {c, 2.0});
+  gospa_.add(last_gospa_->distance);
   ++reports_;
 
   std::vector<Pair> pairs;

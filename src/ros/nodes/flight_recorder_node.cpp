@@ -13,6 +13,7 @@
 
 #include "sightline/ros/nodes/this_node.h"
 #include "sightline/ros/recordings/bags.h"
+#include "sightline/ros/recordings/replay_parameters.h"
 
 namespace sightline_ros {
 namespace {
@@ -69,7 +70,8 @@ FlightRecorderParams loadFlightRecorderParams(const ParamReader& reader) {
 bool isOfTracking(const ros::master::TopicInfo& topic) {
   if (topic.datatype == "sightline/TrackSelection") return false;  // a replay would choose it again
   return topic.datatype.rfind("sightline/", 0) == 0 || topic.datatype == "tf2_msgs/TFMessage" ||
-         topic.datatype == "dynamic_reconfigure/Config" || topic.name == "/diagnostics";
+         topic.datatype == "dynamic_reconfigure/Config" || topic.name == "/diagnostics" ||
+         (topic.datatype == "std_msgs/String" && isParameterTopic(topic.name));
 }
 
 FlightRecorderNode::FlightRecorderNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)

@@ -23,6 +23,7 @@ PositionTrackerNode::PositionTrackerNode(const ros::NodeHandle& nh, const ros::N
       tracklet_topics_(trackletTopicsFrom(reader, nh, topics_)),
       health_(topics_, silenceFrom(reader)) {
   reader.finish();
+  parameters_.emplace(pnh, reader);
 
   tracks_ = nh_.advertise<sightline::PositionTrackArray>("positions/tracks", kQueue);
   report_ = nh_.advertise<sightline::PositionReport>("positions/report", kQueue);

@@ -24,6 +24,7 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
       health_(topics_, silenceFrom(reader)) {
   reader.finish();
 
+  parameters_.emplace(pnh, reader);
   reconfigure_server_.emplace(pnh,
                               Reconfiguration(reader, changeableFusionParams(),
                                               [this](const auto& changed) { return reconfigure(changed); }));
@@ -55,7 +56,10 @@ TrackFusionNode::TrackFusionNode(const ros::NodeHandle& nh, const ros::NodeHandl
 
 std::optional<sightline::core::Refusal> TrackFusionNode::reconfigure(const ParamReader& changed) {
   auto refusal = component_.reconfigure(changed);
-  if (!refusal) followRule();
+  if (!refusal) {
+    followRule();
+    parameters_->publish(changed);
+  }
   return refusal;
 }
 

@@ -211,12 +211,14 @@ std::string evaluatePositions(const rosbag::Bag& bag, const std::string& file,
                              "recording; make them with replay (--positions yes)");
   }
   std::map<std::string, core::PositionRow> rows;
-  std::string errors = report::positionErrorHeader();
+  std::string errors = report::positionErrorHeader(), gospa = report::positionGospaHeader();
   for (const auto& [topic, of_topic] : reports) {
     core::PositionEvaluation evaluation(truth, settings.positions);
     for (const auto& [time, tracks] : of_topic) {
       for (const auto& pair : evaluation.add(time, tracks))
         if (!settings.csv.empty()) errors += report::positionErrorLine(topic, time, pair);
+      if (!settings.csv.empty() && evaluation.lastGospa())
+        gospa += report::positionGospaLine(topic, time, *evaluation.lastGospa());
     }
     rows[topic] = evaluation.row();
   }
@@ -237,6 +239,9 @@ std::string evaluatePositions(const rosbag::Bag& bag, const std::string& file,
     report::TextFile pairs(settings.csv + "/position_errors.csv", inputs);
     pairs.stream() << errors;
     pairs.finish();
+    report::TextFile parts(settings.csv + "/position_gospa.csv", inputs);
+    parts.stream() << gospa;
+    parts.finish();
   }
   return report::positionTable(rows);
 }

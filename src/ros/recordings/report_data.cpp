@@ -119,7 +119,7 @@ class ReportData {
     tryAs<sightline::AssociationArray>(instance) || tryAs<sightline::TrackArray>(instance) ||
         tryAs<sightline::PositionTrackArray>(instance) || tryAs<sightline::FusionReport>(instance) ||
         tryAs<sightline::PositionReport>(instance) || tryAs<sightline::SightingArray>(instance) ||
-        (instance.getTopic() == kReplayParameters && tryAs<std_msgs::String>(instance));
+        (isParameterTopic(instance.getTopic()) && tryAs<std_msgs::String>(instance));
   }
 
   void addPlace(const std::string& kind, const std::string& name, double time, double x, double y, double z) {

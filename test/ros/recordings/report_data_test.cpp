@@ -14,6 +14,7 @@
 #include <sightline/PositionTrackArray.h>
 #include <sightline/SightingArray.h>
 #include <sightline/TrackArray.h>
+#include <std_msgs/String.h>
 
 #include "sightline/report/evaluation_text.h"
 #include "sightline/ros/recordings/replay.h"
@@ -188,6 +189,60 @@ TEST(HtmlReport, TellsWhichParametersOfTheReplaysDiffer) {
   EXPECT_NE(textOfFile(page).find("<tr class=\"differs\"><td>/replay/parameters</td>"
                                   "<td>local_tracker/lifecycle/confirm_hits</td><td>-</td><td>4</td>"),
             std::string::npos);
+}
+
+TEST(ReportData, TellsTheParametersOfNodesThatWereRecordedLive) {
+  const ScratchFolder folder;
+  const std::string path = makeBag(folder.file("run.bag"), true);
+  {
+    rosbag::Bag bag(path, rosbag::bagmode::Append);
+    std_msgs::String parameters;
+    parameters.data = "gate/probability: 0.9\nrule: best\n";
+    bag.write("/fusion/parameters", ros::Time(101.0), parameters);
+    bag.write("/fusion/words", ros::Time(101.0), parameters);
+  }
+  const std::string data = path.substr(0, path.rfind('/'));
+  writeReportData(rosbag::Bag(path), data);
+  const std::string recorded = textOfFile(data + "/recorded.csv");
+  EXPECT_NE(recorded.find("/fusion/parameters,gate/probability,0.9\n"), std::string::npos) << recorded;
+  EXPECT_NE(recorded.find("/fusion/parameters,rule,best\n"), std::string::npos) << recorded;
+  EXPECT_EQ(recorded.find("/fusion/words"), std::string::npos) << recorded;
+}
+
+/// Two targets at rest, of which the second has no track in the first half: its cutoff then counts.
+TEST(HtmlReport, HasTheGospaOfPositionsOverTime) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("positions.bag"), page = folder.file("report.html");
+  {
+    rosbag::Bag bag(path, rosbag::bagmode::Write);
+    for (int i = 0; i < 100; ++i) {
+      sightline::PositionTrackArray array;
+      array.header.stamp = ros::Time(100.0 + 0.1 * i);
+      array.header.frame_id = "world";
+      array.tracks.resize(2);
+      for (std::uint32_t k = 0; k < 2; ++k) {
+        array.tracks[k].id = k + 1;
+        array.tracks[k].status = sightline::PositionTrack::CONFIRMED;
+        array.tracks[k].position.x = 100.0 * k;
+        for (std::size_t axis = 0; axis < 6; ++axis) array.tracks[k].covariance[7 * axis] = 1.0;
+      }
+      bag.write("/truth/positions", array.header.stamp, array);
+      if (i < 50) array.tracks.resize(1);
+      for (auto& track : array.tracks) track.position.y = 1.0;
+      bag.write("/positions/tracks", array.header.stamp, array);
+    }
+  }
+  const auto [code, printed] = evaluate("--csv " + folder.file("csv") + " --truth /truth/positions " + path);
+  ASSERT_EQ(code, 0) << printed;
+  const std::string gospa = textOfFile(folder.file("csv") + "/position_gospa.csv");
+  // (1^2 + 10^2/2)^(1/2) with one target missed, then 2^(1/2).
+  EXPECT_NE(gospa.find("/positions/tracks,101.000000000,7.14"), std::string::npos) << gospa;
+  EXPECT_NE(gospa.find(",1,1,0\n"), std::string::npos) << gospa;
+  EXPECT_NE(gospa.find("/positions/tracks,108.000000000,1.41"), std::string::npos) << gospa;
+  if (!hasPlotly()) GTEST_SKIP() << "no plotly: install python3-plotly";
+  ASSERT_EQ(evaluate("--html " + page + " " + path).first, 0);
+  EXPECT_NE(textOfFile(page).find("\"gospa\""), std::string::npos);
+  EXPECT_NE(textOfFile(page).find("missed targets"), std::string::npos);
 }
 
 TEST(HtmlReport, SaysInOneLineWhatIsMissing) {

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "sightline/core/evaluation/gospa.h"
 #include "sightline/core/evaluation/metrics.h"
 #include "sightline/core/model/time.h"
 
@@ -97,6 +98,9 @@ class PositionEvaluation {
   /// Returns the pairs. Reports outside the time of the truth are not scored.
   std::vector<Pair> add(Time time, const std::vector<EstimatedPosition>& tracks);
 
+  /// Of the last report added [m]; nullopt when that was outside the time of the truth.
+  const std::optional<Gospa>& lastGospa() const { return last_gospa_; }
+
   PositionRow row() const;
 
  private:
@@ -125,6 +129,7 @@ class PositionEvaluation {
   std::uint64_t reports_ = 0, present_ = 0, covered_ = 0, track_reports_ = 0, false_reports_ = 0;
   std::uint32_t breaks_ = 0, id_changes_ = 0;
   RunningMean gospa_;
+  std::optional<Gospa> last_gospa_;
 };
 
 }  // namespace sightline::core

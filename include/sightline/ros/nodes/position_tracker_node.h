@@ -18,6 +18,7 @@
 #include "sightline/ros/diagnosis/callback_guard.h"
 #include "sightline/ros/diagnosis/periodic_diagnostics.h"
 #include "sightline/ros/diagnosis/transform_subscriber.h"
+#include "sightline/ros/nodes/parameter_topic.h"
 
 namespace sightline_ros {
 
@@ -50,6 +51,7 @@ class PositionTrackerNode {
   std::vector<ros::Subscriber> subscribers_;
   std::unique_ptr<TransformSubscriber> transform_subscriber_;
   ros::WallTimer timeout_timer_;
+  std::optional<ParameterTopic> parameters_;
   std::optional<PeriodicDiagnostics> diagnostics_;
 };
 

@@ -17,6 +17,7 @@
 #include "sightline/ros/diagnosis/callback_guard.h"
 #include "sightline/ros/diagnosis/periodic_diagnostics.h"
 #include "sightline/ros/diagnosis/transform_subscriber.h"
+#include "sightline/ros/nodes/parameter_topic.h"
 #include "sightline/ros/nodes/reconfigure_server.h"
 
 namespace sightline_ros {
@@ -55,6 +56,7 @@ class TrackFusionNode {
   ros::Timer end_of_wait_;                             // of reports for others
   bool is_wait_timed_ = false;                         // the timer runs
   std::vector<ros::Subscriber> tracklet_subscribers_;  // none while the rule makes no use of tracklets
+  std::optional<ParameterTopic> parameters_;
   std::optional<ReconfigureServer> reconfigure_server_;
   std::optional<PeriodicDiagnostics> diagnostics_;
 };

@@ -6,6 +6,12 @@
 
 namespace sightline_ros {
 
+/// Whether lines "key: value" of a replay's or a node's parameters are on a topic of that name.
+inline bool isParameterTopic(const std::string& topic) {
+  const std::string end = "/parameters";
+  return topic.size() > end.size() && topic.compare(topic.size() - end.size(), end.size(), end) == 0;
+}
+
 /// Topic (std_msgs/String) on which a replay says what it was told.
 constexpr const char* kReplayParameters = "/replay/parameters";
 
