@@ -3,7 +3,6 @@
 #include <QHBoxLayout>
 #include <QHeaderView>
 #include <QSplitter>
-#include <QTabWidget>
 #include <QVBoxLayout>
 #include <set>
 
@@ -171,13 +170,13 @@ QWidget* InspectorWidget::plots() {
 }
 
 QWidget* InspectorWidget::tables() {
-  auto* tabs = new QTabWidget;
+  tabs_ = new QTabWidget;
   const auto add = [&](const char* name, const QString& title, const QStringList& header,
                        const QList<int>& widths) {
     auto* table = new TextTable(header, this);
     auto* shown = view(table, widths);
     shown->setObjectName(name);
-    tabs->addTab(shown, title);
+    tabs_->addTab(shown, title);
     return table;
   };
   sightings_ = add("sightings", "Sightings", {"age [s]", "sensor", "local track", "decision", "why"},
@@ -188,7 +187,7 @@ QWidget* InspectorWidget::tables() {
                  {"sensor", "said by", "verdict", "noise found", "bias", "clock", "detection and input"},
                  {84, 150, 90, 130, 90, 150});
   changes_ = add("verdicts", "Verdicts", {"time [s]", "sensor", "said by", "what changed"}, {90, 90, 120});
-  return tabs;
+  return tabs_;
 }
 
 QTableView* InspectorWidget::view(QAbstractItemModel* model, const QList<int>& widths) {

@@ -7,6 +7,7 @@
 #include <ros/param.h>
 
 #include "sightline/ros/nodes/track_display_node.h"
+#include "sightline/rviz/knob_panel.h"
 
 namespace sightline_rviz {
 namespace {
@@ -35,6 +36,7 @@ InspectorWindow::InspectorWindow(QWidget* parent)
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(0, 0, 0, 0);
   layout->addWidget(&inspector_);
+  inspector_.addTab(new KnobPanel(feed_.knobs()), "Knobs");
   connect(&inspector_, &InspectorWidget::selectionChanged, this,
           [this](const std::optional<sightline_ros::TrackKey>& key) {
             feed_.announce(key, inspector_.isAlone());

@@ -4,6 +4,7 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
+#include <QTabWidget>
 #include <QTableView>
 #include <QTimer>
 #include <QWidget>
@@ -41,6 +42,9 @@ class InspectorWidget : public QWidget {
 
   /// The rows as last shown, in the table's order of arrival, without those that the filter hides.
   std::vector<sightline_ros::TrackRow> shownRows() const;
+
+  /// Puts a further tab beside those of the tables.
+  void addTab(QWidget* widget, const QString& title) { tabs_->addTab(widget, title); }
 
   bool follows() const { return follow_->isChecked(); }
   bool isAlone() const { return alone_->isChecked(); }
@@ -91,6 +95,7 @@ class InspectorWidget : public QWidget {
   NisPlot* nis_ = nullptr;
   InnovationPlot* innovations_ = nullptr;
   SpreadPlot* spread_ = nullptr;
+  QTabWidget* tabs_ = nullptr;
   TextTable* sightings_ = nullptr;
   TextTable* support_ = nullptr;
   TextTable* sensors_ = nullptr;

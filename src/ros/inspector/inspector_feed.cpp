@@ -17,8 +17,10 @@ const char* const kTruth = "truth";  // the estimator's name in a truth's TrackA
 InspectorFeed::InspectorFeed(const std::string& save_service) : recorder_(save_service) {
   nh_.setCallbackQueue(&queue_);
   selection_ = nh_.advertise<sightline::TrackSelection>(kSelectionTopic, 1, true);
-  subscribe<diagnostic_msgs::DiagnosticArray>(
-      "/diagnostics", [this](const auto& message) { model_.take(*message, clockNow()); });
+  subscribe<diagnostic_msgs::DiagnosticArray>("/diagnostics", [this](const auto& message) {
+    model_.take(*message, clockNow());
+    knobs_.take(*message);
+  });
   discovery_ = nh_.createWallTimer(ros::WallDuration(kLookPeriod),
                                    guard_("a timer", [this](const ros::WallTimerEvent&) { findTopics(); }));
   spinner_.start();
@@ -70,6 +72,13 @@ void InspectorFeed::listen(const ros::master::TopicInfo& topic) {
     subscribe<sightline::FusionReport>(name, [this, name](const sightline::FusionReport::ConstPtr& message) {
       model_.take(name, message, clockNow());
     });
+  } else if (topic.datatype == "dynamic_reconfigure/ConfigDescription") {
+    subscribe<dynamic_reconfigure::ConfigDescription>(
+        name,
+        [this, node = name.substr(0, name.rfind('/'))](const auto& message) { knobs_.take(node, *message); });
+  } else if (topic.datatype == "dynamic_reconfigure/Config") {
+    subscribe<dynamic_reconfigure::Config>(name, [this, node = name.substr(0, name.rfind('/'))](
+                                                     const auto& message) { knobs_.take(node, *message); });
   }
 }
 

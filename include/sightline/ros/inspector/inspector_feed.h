@@ -16,6 +16,7 @@
 
 #include "sightline/ros/diagnosis/callback_guard.h"
 #include "sightline/ros/inspector/inspector_model.h"
+#include "sightline/ros/inspector/knob_board.h"
 #include "sightline/ros/inspector/save_request.h"
 
 namespace sightline_ros {
@@ -45,6 +46,7 @@ class InspectorFeed {
   void announce(const std::optional<TrackKey>& key, bool alone);
 
   SaveRequest& recorder() { return recorder_; }
+  KnobBoard& knobs() { return knobs_; }
 
  private:
   static sightline::core::Time toCoreNow();
@@ -58,6 +60,7 @@ class InspectorFeed {
   std::mutex mutex_;  // of the model
   InspectorModel model_;
   SaveRequest recorder_;
+  KnobBoard knobs_;
   ros::CallbackQueue queue_;
   ros::NodeHandle nh_;
   std::map<std::string, ros::Subscriber> subscribers_;  // by topic
