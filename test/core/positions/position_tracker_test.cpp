@@ -155,9 +155,15 @@ TEST(PositionTracker, TheSamePositionsComeOutInWhateverOrderTheMessagesCome) {
     messages.push_back(message);
 
   PositionTracker in_order;
+  in_order.keepMeasurements();
+  std::vector<TakenMeasurement> taken, taken_shuffled;
+  const auto handOut = [](PositionTracker& tracker, bool all, std::vector<TakenMeasurement>& to) {
+    for (const TakenMeasurement& one : tracker.handOut(all)) to.push_back(one);
+  };
   for (const FieldMessage& message : messages) {
     feed(in_order, message);
     in_order.report();
+    handOut(in_order, false, taken);
   }
   // Each message is late by up to 0.4 s.
   std::mt19937 random(2);
@@ -166,9 +172,11 @@ TEST(PositionTracker, TheSamePositionsComeOutInWhateverOrderTheMessagesCome) {
     arrival.emplace_back(messages[i].time + 0.4 * static_cast<double>(random() % 1000) / 1000.0, i);
   std::sort(arrival.begin(), arrival.end());
   PositionTracker shuffled;
+  shuffled.keepMeasurements();
   for (const auto& [time, i] : arrival) {
     feed(shuffled, messages[i]);
     shuffled.report();
+    handOut(shuffled, false, taken_shuffled);
   }
   const auto a = in_order.report(), b = shuffled.report();
   ASSERT_TRUE(a && b);
@@ -181,6 +189,17 @@ TEST(PositionTracker, TheSamePositionsComeOutInWhateverOrderTheMessagesCome) {
     EXPECT_EQ(a->tracks.tracks[i].covariance, b->tracks.tracks[i].covariance);
     EXPECT_EQ(a->tracks.tracks[i].sources, b->tracks.tracks[i].sources);
   }
+  // So are the measurements that they came of, handed out once.
+  handOut(in_order, true, taken);
+  handOut(shuffled, true, taken_shuffled);
+  ASSERT_EQ(taken.size(), taken_shuffled.size());
+  EXPECT_GT(taken.size(), 500u);
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    EXPECT_EQ(taken[i].target, taken_shuffled[i].target) << i;
+    EXPECT_EQ(taken[i].measurement.time, taken_shuffled[i].measurement.time) << i;
+    EXPECT_EQ(taken[i].measurement.ray.direction, taken_shuffled[i].measurement.ray.direction) << i;
+  }
+  EXPECT_TRUE(in_order.handOut(true).empty());
 }
 
 TEST(PositionTracker, OneStationLeftAloneHoldsThePositionForAWhileAndTheIdUntilASecondReturns) {

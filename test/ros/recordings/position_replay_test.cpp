@@ -151,4 +151,33 @@ TEST(PositionReplay, CanBeForbiddenAndItsParametersAreRead) {
   EXPECT_THROW(replay(folder.file("in.bag"), folder.file("out.bag"), settings), sightline_ros::ParamError);
 }
 
+TEST(PositionReplay, SmoothedPositionsAreTheSameTracksNearerToTheTarget) {
+  const ScratchFolder folder;
+  record(folder.file("in.bag"), false, 0.2);
+  ReplaySettings settings;
+  settings.smooth = true;
+  replay(folder.file("in.bag"), folder.file("out.bag"), settings);
+  replay(folder.file("in.bag"), folder.file("again.bag"), settings);
+  const auto tracks = messagesOn<PositionTrackArray>("/positions/tracks", folder.file("out.bag"));
+  const auto smoothed = messagesOn<PositionTrackArray>("/positions/tracks_smoothed", folder.file("out.bag"));
+  const auto again = messagesOn<PositionTrackArray>("/positions/tracks_smoothed", folder.file("again.bag"));
+  ASSERT_EQ(smoothed.size(), tracks.size());
+  ASSERT_EQ(smoothed.size(), again.size());
+  double of_filter = 0.0, of_smoother = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    EXPECT_EQ(bytesOf(smoothed[i]), bytesOf(again[i])) << i;
+    EXPECT_EQ(smoothed[i].header.stamp, tracks[i].header.stamp);
+    ASSERT_EQ(smoothed[i].tracks.size(), tracks[i].tracks.size());
+    if (tracks[i].tracks.empty()) continue;
+    EXPECT_EQ(smoothed[i].tracks[0].id, tracks[i].tracks[0].id);
+    const Eigen::Vector3d truth = targetAt(tracks[i].header.stamp.toSec() - kFieldStart);
+    of_filter += (sightline_ros::toCore(tracks[i].tracks[0]).position - truth).squaredNorm();
+    of_smoother += (sightline_ros::toCore(smoothed[i].tracks[0]).position - truth).squaredNorm();
+    ++count;
+  }
+  EXPECT_GT(count, 100);
+  EXPECT_LT(std::sqrt(of_smoother), 0.8 * std::sqrt(of_filter));
+}
+
 }  // namespace
