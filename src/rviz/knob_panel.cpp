@@ -85,8 +85,11 @@ KnobPanel::KnobPanel(sightline_ros::KnobBoard& board, QWidget* parent) : QWidget
 }
 
 void KnobPanel::refresh() {
-  for (const std::string& node : board_.nodes())
-    if (nodes_->findText(text(node)) < 0) nodes_->addItem(text(node));
+  for (const std::string& node : board_.nodes()) {
+    if (nodes_->findText(text(node)) >= 0) continue;
+    if (nodes_->count() == 0) words_->setText("move a slider, or type a number and press Enter");
+    nodes_->addItem(text(node));
+  }
   const std::vector<Knob> knobs = board_.knobsOf(shown_);
   std::vector<Knob> shown;
   for (const Control& control : controls_) shown.push_back(control.knob);
