@@ -103,7 +103,7 @@ void trackedDrone(const std::string& folder) {
         posed.push_back({scan.sensor, tracklet.track, tracklet.tracklet, pose});
       tracker.onTracklets(posed);
     }
-    tracker.onTracks({scan.sensor, report.time, pose, std::nullopt, report.tracks});
+    tracker.onTracks({scan.sensor, report.time, pose, {}, report.tracks});
     used += processorTime() - start;
   }
   printHead("drone_5_cameras: local trackers and position tracker, number of targets not told", "m/s");

@@ -1,7 +1,7 @@
 // Positions of one target from the directions of several stations, with the default settings: the core's
 // position estimator and the plain intersection of rays, on recordings with a known or published path.
 //
-//   positions [--recordings DIR] [--table drone|fireball|tracker|field] [--runs N]
+//   positions [--recordings DIR] [--table drone|fireball|tracker|field|misaligned] [--runs N]
 //
 // DIR holds drone_5_cameras and fireball_3_stations (default: where SIGHTLINE_SHARED_DIR/data is). Figures of
 // the drone are taken at the times of its RTK path, with what had been seen by then, and split by how many
@@ -294,7 +294,7 @@ void fireball(const std::string& folder) {
                 std::sqrt(follower.noiseOf(i).whiteScale()), follower.noiseOf(i).slowScale());
   }
 
-  // Clocks (P-14): ten instants a second, of which a slow error of 3 s makes one in sixty independent.
+  // Clocks (P-14), ten instants a second.
   std::vector<std::vector<Seen>> by_station(recording.names.size());
   for (const Seen& seen : recording.sightings)
     by_station[static_cast<std::size_t>(seen.station)].push_back(seen);
@@ -304,11 +304,12 @@ void fireball(const std::string& folder) {
   const double first = secondsOf(recording.sightings.front().time),
                last = secondsOf(recording.sightings.back().time);
   for (double t = first; t <= last; t += 0.1) {
-    const auto rays = movingRaysAt(recording, by_station, t, 1.3);
-    for (std::size_t a = 0; a < rays.size(); ++a)
-      for (std::size_t b = a + 1; b < rays.size(); ++b)
-        alignment.take(rays[a].first, rays[a].second, rays[b].first, rays[b].second,
-                       2.0 / static_cast<double>(rays.size()) / 60.0);
+    std::vector<core::LocalView> views;
+    for (const auto& [station, ray] : movingRaysAt(recording, by_station, t, 1.3))
+      views.push_back({{station, 1}, ray, {0.5 * ray.covariance.trace(), 3.0}});
+    for (std::size_t a = 0; a < views.size(); ++a)
+      for (std::size_t b = a + 1; b < views.size(); ++b)
+        alignment.take(timeAt(t), views[a], views[b], 2.0 / static_cast<double>(views.size()));
   }
   for (int station = 1; station < static_cast<int>(recording.names.size()); ++station) {
     if (const auto clock = alignment.clockDifference(0, station))
@@ -333,21 +334,23 @@ int run(int argc, char** argv) {
     else
       throw std::runtime_error(
           "positions: unknown option " + option +
-          "; usage: positions [--recordings DIR] [--table drone|fireball|tracker|field] [--runs N]");
+          "; usage: positions [--recordings DIR] [--table drone|fireball|tracker|field|misaligned] [--runs "
+          "N]");
   }
-  const bool is_known =
-      table.empty() || table == "drone" || table == "fireball" || table == "tracker" || table == "field";
+  const bool is_known = table.empty() || table == "drone" || table == "fireball" || table == "tracker" ||
+                        table == "field" || table == "misaligned";
   if (!is_known)
     throw std::runtime_error("positions: no table is called " + table +
-                             "; there are drone, fireball, tracker, field");
+                             "; there are drone, fireball, tracker, field, misaligned");
   if (runs < 1) throw std::runtime_error("positions: --runs must be at least 1");
-  if (recordings.empty() && table != "field")
+  if (recordings.empty() && table != "field" && table != "misaligned")
     throw std::runtime_error("positions: where the recordings are must be said with --recordings DIR");
   const auto wanted = [&](const char* name) { return table.empty() || table == name; };
   if (wanted("drone")) drone(recordings + "/drone_5_cameras");
   if (wanted("tracker")) trackedDrone(recordings + "/drone_5_cameras");
   if (wanted("fireball")) fireball(recordings + "/fireball_3_stations");
   if (wanted("field")) simulatedFields(runs);
+  if (wanted("misaligned")) misalignedStation(runs);
   return 0;
 }
 

@@ -85,7 +85,7 @@ class SimulatedField {
     const core::ScanReport report = s.tracker.onScan(scan);
     FieldMessage message;
     message.time = t;
-    message.tracks = {s.station.name, report.time, s.pose, std::nullopt, report.tracks};
+    message.tracks = {s.station.name, report.time, s.pose, {}, report.tracks};
     if (const auto tracklets = s.builder.onScan(scan, report)) {
       for (const core::TrackTracklet& tracklet : tracklets->tracklets)
         message.tracklets.push_back({s.station.name, tracklet.track, tracklet.tracklet, s.pose});

@@ -130,7 +130,8 @@ UpdateResult update(PositionBelief& belief, const DirectionUpdate& seen, double 
   Columns K;
   Eigen::Matrix2d R = seen.R;
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    const Eigen::Vector3d r = x.head<3>() - seen.origin;
+    const Eigen::Vector3d r =
+        x.head<3>() - seen.age * x.segment<3>(3) + 0.5 * seen.age * seen.age * x.segment<3>(6) - seen.origin;
     const double range = r.norm();
     const Eigen::Vector3d v = r / range;
     const double cosine = seen.direction.dot(v);
@@ -141,6 +142,8 @@ UpdateResult update(PositionBelief& belief, const DirectionUpdate& seen, double 
     }
     const Matrix23d B = basisNear(seen.basis, v);
     H.leftCols<3>() = B / range;
+    H.middleCols<3>(3) = -seen.age / range * B;
+    H.middleCols<3>(6) = 0.5 * seen.age * seen.age / range * B;
     Eigen::Vector2d residual = B * seen.direction / cosine;
     if (seen.slot >= 0) {
       H.middleCols<2>(at).setIdentity();
@@ -179,12 +182,17 @@ UpdateResult updateAlone(PositionBelief& belief, const DirectionUpdate& seen,
   const Eigen::Vector3d r = x.head<3>() - seen.origin;
   const double range = r.norm();
   const Eigen::Vector3d v = r / range;
-  const double cosine = seen.direction.dot(v);
+  const double half_age_squared = 0.5 * seen.age * seen.age;
+  // Where it was, over the range.
+  const Eigen::Vector3d old_r =
+      v - seen.age / range * x.segment<3>(3) + half_age_squared / range * x.segment<3>(6);
+  const Eigen::Vector3d old_v = old_r.normalized();
+  const double cosine = seen.direction.dot(old_v);
   if (!(cosine > 0.1)) {
     result.is_behind = true;
     return result;
   }
-  const Matrix23d B = basisNear(seen.basis, v);
+  const Matrix23d B = basisNear(seen.basis, v), old_B = basisNear(seen.basis, old_v) / old_r.norm();
 
   // To (turn across 2, log range, velocity/range, acceleration/range).
   Matrix9d J = Matrix9d::Zero();
@@ -197,8 +205,10 @@ UpdateResult updateAlone(PositionBelief& belief, const DirectionUpdate& seen,
   P.leftCols<kMotionSize>() = (P.leftCols<kMotionSize>() * J.transpose()).eval();
 
   Rows H = Rows::Zero(2, n);
-  H.leftCols<2>().setIdentity();
-  Eigen::Vector2d residual = B * seen.direction / cosine;
+  H.leftCols<2>() = old_B * B.transpose();
+  H.middleCols<3>(3) = -seen.age * old_B;
+  H.middleCols<3>(6) = half_age_squared * old_B;
+  Eigen::Vector2d residual = old_r.norm() * old_B * seen.direction / cosine;
   if (seen.slot >= 0) {
     H.middleCols<2>(at).setIdentity();
     residual -= x.segment<2>(at);

@@ -30,7 +30,7 @@ std::shared_ptr<PositionEstimator> PositionScene::estimatorFrom(const std::set<V
     return a.first == b.first ? a.second->station < b.second->station : a.first < b.first;
   });
   auto estimator = std::make_shared<PositionEstimator>(params_->estimator);
-  for (const auto& [key, measurement] : all) estimator->update(*measurement);
+  for (const auto& [key, measurement] : all) estimator->update(corrected(key, *measurement));
   return estimator;
 }
 
@@ -78,7 +78,7 @@ std::vector<LookingStation> PositionScene::lookingStations(Time now) const {
   std::vector<LookingStation> stations;
   for (std::size_t i = 0; i < trackers_.size(); ++i) {
     if (seconds(now - trackers_[i].time) <= kFreshestView)
-      stations.push_back({static_cast<int>(i), trackers_[i].origin, trackers_[i].view});
+      stations.push_back({static_cast<int>(i), trackers_[i].origin, trackers_[i].views});
   }
   return stations;
 }
@@ -170,6 +170,7 @@ void PositionScene::startTargets(Time now) {
     for (const ViewKey& key : std::set<ViewKey>(target.supporters))
       if (!members.count(key)) release(id, key);
     target.supporters = members;
+    target.log_odds = std::clamp(std::min(candidate.score, candidate.margin), 0.0, kMostLogOdds);
     target.contradicted.clear();
     target.last_sighting = estimator->time().value_or(now);
     target.lost.reset();
@@ -177,7 +178,7 @@ void PositionScene::startTargets(Time now) {
     for (const ViewKey& key : members) {
       Local& local = locals_.at(key);
       local.target = id;
-      for (const StationMeasurement& measurement : local.recent) note(id, now, measurement);
+      for (const StationMeasurement& measurement : local.recent) note(id, now, corrected(key, measurement));
     }
   }
 }

@@ -17,32 +17,6 @@ namespace {
 
 constexpr double kClaimMargin = 9.0;  // of chi-square, between the best and the second best claim
 
-/// chi-square of a view, direction and rate, against a target's state, slow errors in the view's covariance.
-std::optional<double> distanceOf(const LocalView& view, const PositionState& state, bool with_rate) {
-  const Eigen::Vector3d point = state.mean.head<3>(), velocity = state.mean.tail<3>();
-  const auto seen = innovationOf(view.ray, point);
-  if (!seen) return std::nullopt;
-  const Eigen::Vector3d v = (point - view.ray.origin) / seen->range;
-  const Eigen::Matrix<double, 2, 3> B = acrossBasis(v);
-  Eigen::Matrix<double, 4, 6> H = Eigen::Matrix<double, 4, 6>::Zero();
-  Eigen::Vector4d residual = Eigen::Vector4d::Zero();
-  Eigen::Matrix4d R = Eigen::Matrix4d::Identity();
-  H.topLeftCorner<2, 3>() = seen->H;
-  residual.head<2>() = seen->residual;
-  R.topLeftCorner<2, 2>() = seen->R;
-  if (with_rate && view.ray.motion) {
-    const Eigen::Vector3d relative = velocity - view.ray.motion->origin_velocity;
-    const Eigen::Vector2d expected = B * relative / seen->range;
-    H.bottomLeftCorner<2, 3>() =
-        -(relative.dot(v) / seen->range * B + expected * v.transpose()) / seen->range;
-    H.bottomRightCorner<2, 3>() = B / seen->range;
-    residual.tail<2>() = B * view.ray.motion->rate - expected;
-    R.bottomRightCorner<2, 2>() = symmetric(B * view.ray.motion->covariance * B.transpose());
-  }
-  const Eigen::Matrix4d S = symmetric(H * state.covariance * H.transpose()) + R;
-  return residual.dot(S.llt().solve(residual));
-}
-
 }  // namespace
 
 /// Supporters that contradict the target for long are taken out, and the target goes on without what they
@@ -57,7 +31,7 @@ void PositionScene::checkSupporters(Time now) {
     for (const ViewKey& key : target.supporters) {
       const Local& local = locals_.at(key);
       if (!speaksAt(local, now)) continue;
-      const auto distance = distanceOf(viewAt(local, now), *state, false);
+      const auto distance = distanceSquared(viewAt(local, now).ray, state->mean, state->covariance, false);
       double& contradicted = target.contradicted[key];
       const bool is_wrong = !distance || *distance > params_->contradiction;
       contradicted = is_wrong ? contradicted + h : std::max(0.0, contradicted - h);
@@ -114,7 +88,7 @@ void PositionScene::claim(Time now) {
           std::lower_bound(views.begin(), views.end(), z - reach,
                            [](const LocalView& a, double height) { return a.ray.direction.z() < height; });
       for (; view != views.end() && view->ray.direction.z() <= z + reach; ++view) {
-        const auto distance = distanceOf(*view, *state, true);
+        const auto distance = distanceSquared(view->ray, state->mean, state->covariance, true);
         if (!distance || *distance > params_->claim_gate + kClaimMargin) continue;
         if (ids.empty() || ids.back() != id) ids.push_back(id);
         pairs.push_back(
@@ -154,7 +128,9 @@ void PositionScene::claim(Time now) {
           claims[{id, key}] = turns;
           continue;
         }
-        targets_.at(id).supporters.insert(key);
+        Target& target = targets_.at(id);
+        target.supporters.insert(key);
+        target.log_odds = std::min(target.log_odds + 0.5 * kClaimMargin, kMostLogOdds);
         locals_.at(key).target = id;
       }
     }
@@ -207,6 +183,8 @@ void PositionScene::merge(Time now) {
   for (const auto& [older, younger] : same) {
     if (!targets_.count(older) || !targets_.count(younger)) continue;
     const std::set<ViewKey> supporters = targets_.at(younger).supporters;
+    double& log_odds = targets_.at(older).log_odds;
+    log_odds = std::max(log_odds, targets_.at(younger).log_odds);
     dissolve(younger);
     for (const ViewKey& key : supporters) {
       targets_.at(older).supporters.insert(key);
@@ -214,27 +192,6 @@ void PositionScene::merge(Time now) {
     }
   }
   meetings_ = std::move(meetings);
-}
-
-/// Clocks and orientations from what the supporters of each target say (P-14).
-void PositionScene::learnAlignment(Time now) {
-  const double h = decided_ ? std::max(seconds(now - *decided_), 0.0) : 0.0;
-  alignment_.forget(h);
-  for (const auto& [id, target] : targets_) {
-    if (!target.is_confirmed || target.lost) continue;
-    std::vector<LocalView> views;
-    for (const ViewKey& key : target.supporters) {
-      const Local& local = locals_.at(key);
-      if (speaksAt(local, now)) views.push_back(viewAt(local, now));
-    }
-    if (views.size() < 2) continue;
-    // Slow errors make what is said within two time constants the same; pairs of n rays share errors.
-    const double share =
-        std::min(1.0, h / (2.0 * params_->noise.time_constant)) * 2.0 / static_cast<double>(views.size());
-    for (std::size_t a = 0; a < views.size(); ++a)
-      for (std::size_t b = a + 1; b < views.size(); ++b)
-        alignment_.take(views[a].key.station, views[a].ray, views[b].key.station, views[b].ray, share);
-  }
 }
 
 }  // namespace sightline::core

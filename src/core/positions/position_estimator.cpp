@@ -51,7 +51,8 @@ ModeArray equalAttractions(const PositionEstimatorParams& params) {
 }
 
 bool isUsable(const StationMeasurement& m) {
-  return m.station >= 0 && m.slow.variance >= 0.0 && m.slow.time_constant > 0.0 && isDetermined(m.ray);
+  return m.station >= 0 && std::isfinite(m.age) && m.slow.variance >= 0.0 && m.slow.time_constant > 0.0 &&
+         isDetermined(m.ray);
 }
 
 /// What samples `h` seconds apart of a Gauss-Markov error count like when they are taken as white (P-7).
@@ -254,6 +255,7 @@ MeasurementUse PositionEstimator::take(const StationMeasurement& m, std::optiona
   direction.origin = m.ray.origin;
   direction.direction = m.ray.direction;
   direction.slot = slot;
+  direction.age = m.age;
   Matrix23d basis = acrossBasis(m.ray.direction);
   if (slot >= 0) {  // carried along with the line of sight
     Matrix23d& carried = slots_[static_cast<std::size_t>(slot)].basis;

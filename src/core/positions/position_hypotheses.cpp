@@ -96,7 +96,12 @@ std::optional<Candidate> PositionHypotheses::score(const std::vector<const Local
     });
     if (is_member) continue;
     double looks = kUnknownView;
-    if (station.view) looks = station.view->holds(crossing.at.point - station.origin) ? 1.0 : 0.0;
+    if (!station.views.empty()) {
+      const bool holds = std::any_of(
+          station.views.begin(), station.views.end(),
+          [&](const FieldOfView& view) { return view.holds(crossing.at.point - station.origin); });
+      looks = holds ? 1.0 : 0.0;
+    }
     score += std::log1p(-looks * params_.detection_probability);
   }
   if (!std::isfinite(score) || !candidate.at.point.allFinite()) return std::nullopt;  // not comparable

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kRecent = 1.5;                 // [s] of measurements that are kept to start a target with
 constexpr std::size_t kMostRecent = 64;         // of one local track
+constexpr double kUnknownExistence = 0.5;       // of a track whose tracker states none
 constexpr double kMisfitOfContradiction = 6.0;  // above which a lost target is dissolved and not remembered
 
 Eigen::Matrix3d across(const Eigen::Vector3d& direction) {
@@ -42,7 +43,9 @@ PositionScene::PositionScene(const PositionSceneParams& params)
     : params_(std::make_shared<const PositionSceneParams>(checked(params))),
       hypotheses_(params.hypotheses),
       review_(params.hypotheses),
-      alignment_(params.alignment) {
+      alignment_(params.alignment),
+      common_alignment_(params.alignment),
+      corrections_(params.correction, params.alignment) {
   // Both throw for a parameter out of range.
   static_cast<void>(PositionEstimator(params.estimator));
   static_cast<void>(StationNoise(params.noise));
@@ -89,7 +92,11 @@ void PositionScene::take(const StationTracklet& in) {
   measurement.ray.origin = in.pose.origin;
   measurement.ray.direction = sighting.direction.normalized();
   measurement.ray.covariance = sighting.covariance;
-  measurement.ray.motion = RayMotion{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity(), in.pose.velocity};
+  measurement.ray.motion = RayMotion{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero(), in.pose.velocity};
+  if (local.view.ray.motion) {  // of the track: what a wrong clock is put right with
+    measurement.ray.motion->rate = local.view.ray.motion->rate;
+    measurement.ray.motion->covariance = local.view.ray.motion->covariance;
+  }
   measurement.slow = sensors_[static_cast<std::size_t>(sensor)].noise.slowError(local.reference);
   local.recent.push_back(measurement);
   const auto old = std::find_if(local.recent.begin(), local.recent.end(), [&](const StationMeasurement& m) {
@@ -100,8 +107,9 @@ void PositionScene::take(const StationTracklet& in) {
 
   const auto target = targets_.find(local.target);
   if (target == targets_.end()) return;
-  note(local.target, in.tracklet.time, measurement);
-  feed(target->second, measurement, local.reference);
+  const StationMeasurement used = corrected(key, measurement);
+  note(local.target, in.tracklet.time, used);
+  feed(target->second, used, local.reference);
 }
 
 void PositionScene::note(std::uint32_t target, Time taken, const StationMeasurement& measurement) {
@@ -143,7 +151,7 @@ void PositionScene::feed(Target& target, const StationMeasurement& measurement, 
 void PositionScene::take(const StationTracks& in) {
   const int number = trackerNumber(in.tracker);
   Tracker& tracker = trackers_[static_cast<std::size_t>(number)];
-  tracker.view = in.view;
+  tracker.views = in.views;
   tracker.origin = in.pose.origin;
   tracker.time = in.time;
   std::set<std::uint32_t> reported;
@@ -154,8 +162,11 @@ void PositionScene::take(const StationTracks& in) {
     if (!locals_.count(key) && static_cast<int>(locals_.size()) >= params_->max_local_tracks) continue;
     reported.insert(track.id);
     Local& local = locals_[key];
+    if (!local.is_reported) local.since = in.time;
     local.time = in.time;
     local.is_reported = track.status == TrackStatus::confirmed;
+    local.existence =
+        std::isfinite(track.existence) ? std::clamp(track.existence, 0.0, 1.0) : kUnknownExistence;
     local.view.key = key;
     Ray& ray = local.view.ray;
     ray.origin = in.pose.origin;
@@ -197,6 +208,13 @@ int PositionScene::stationsOf(const Target& target) {
   return static_cast<int>(stations.size());
 }
 
+/// That its tracks are of one target, and not all of them false (P-17).
+double PositionScene::existenceOf(const Target& target) const {
+  double all_false = 1.0;
+  for (const ViewKey& key : target.supporters) all_false *= 1.0 - locals_.at(key).existence;
+  return (1.0 - all_false) / (1.0 + std::exp(-target.log_odds));
+}
+
 /// A local track no longer supports a target.
 void PositionScene::release(std::uint32_t id, const ViewKey& key) {
   const auto local = locals_.find(key);
@@ -214,8 +232,16 @@ void PositionScene::dissolve(std::uint32_t id) {
   targets_.erase(id);
 }
 
-/// What a local track says `now`: moved on at its rates, slow errors of its sensors in the covariance.
+/// What a local track says `now`, put right by what is known of its station.
 LocalView PositionScene::viewAt(const Local& local, Time now) const {
+  LocalView view = statedViewAt(local, now);
+  if (const StationCorrection* correction = corrections_.of(view.key.station))
+    view.ray = core::corrected(view.ray, *correction);
+  return view;
+}
+
+/// What a local track says `now`: moved on at its rates, slow errors of its sensors in the covariance.
+LocalView PositionScene::statedViewAt(const Local& local, Time now) const {
   LocalView view = local.view;
   const double h = seconds(now - local.time);
   Ray& ray = view.ray;
@@ -230,6 +256,9 @@ LocalView PositionScene::viewAt(const Local& local, Time now) const {
   const Eigen::Matrix3d projection = across(ray.direction);
   ray.covariance = symmetric(projection * (ray.covariance + h * h * ray.motion->covariance) * projection) +
                    slow * projection;
+  // What is learnt has a misalignment in it, which is what views are compared for.
+  const double first = params_->noise.slow_scale * params_->noise.slow_scale * local.reference;
+  view.slow = {std::min(slow, first), time_constant};
   ray.motion->rate = projection * ray.motion->rate;
   ray.motion->covariance = symmetric(projection * ray.motion->covariance * projection) +
                            2.0 * slow / (time_constant * time_constant) * projection;
@@ -244,6 +273,7 @@ void PositionScene::decide(Time now) {
   startTargets(now);
   merge(now);
   learnAlignment(now);
+  correctStations(now);
   decided_ = now;
 }
 
@@ -281,6 +311,7 @@ PositionOutput PositionScene::output(Time time) const {
     track.position = state->mean.head<3>();
     track.velocity = state->mean.tail<3>();
     track.covariance = state->covariance;
+    track.existence = existenceOf(target);
     track.last_sighting = target.last_sighting;
     track.parallax = state->parallax;
     for (const ViewKey& key : target.supporters) track.sources.push_back(nameOf(key));
@@ -327,14 +358,7 @@ PositionOutput PositionScene::output(Time time) const {
   }
   std::sort(out.report.unlocated.begin(), out.report.unlocated.end(),
             [](const UnlocatedTrack& a, const UnlocatedTrack& b) { return a.source < b.source; });
-  for (const Sensor& sensor : sensors_) {
-    out.report.stations.push_back({trackers_[static_cast<std::size_t>(sensor.tracker)].name, sensor.name,
-                                   sensor.noise.slowScale(), sensor.noise.timeConstant(),
-                                   alignment_.of(sensor.tracker)});
-  }
-  std::sort(out.report.stations.begin(), out.report.stations.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.tracker, a.sensor) < std::tie(b.tracker, b.sensor);
-  });
+  out.report.stations = stationReports();
   return out;
 }
 

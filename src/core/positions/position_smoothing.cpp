@@ -196,7 +196,7 @@ SmoothedPositionBank nothingLater(const PositionStep& step) {
 }
 
 SmoothedPositionBank smoothedBack(const PositionStep& step, const std::vector<PositionModel>& models,
-                                  const SmoothedPositionBank& later) {  // (P-16)
+                                  const SmoothedPositionBank& later) {  // (P-18)
   const Eigen::Index count = later.weights.size();
   const ModeArray& before = step.chain.probabilities();
   const ModeArray own = step.chain.ownShares(step.h);

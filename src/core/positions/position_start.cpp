@@ -36,7 +36,7 @@ std::optional<Ray> PositionStart::rayAt(int station, Time now) const {
   for (int i = 0; i < count_; ++i) {
     const StationMeasurement& m = waiting_[static_cast<std::size_t>(i)];
     if (m.station != station) continue;
-    const double t = seconds(m.time - now), w = 2.0 / m.ray.covariance.trace();
+    const double t = seconds(m.time - now) - m.age, w = 2.0 / m.ray.covariance.trace();
     s0 += w;
     s1 += w * t;
     s2 += w * t * t;

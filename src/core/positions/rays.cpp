@@ -248,6 +248,32 @@ std::optional<RayInnovation> innovationOf(const Ray& ray, const Eigen::Vector3d&
   return innovation;
 }
 
+std::optional<double> distanceSquared(const Ray& ray, const Eigen::Matrix<double, 6, 1>& state,
+                                      const Eigen::Matrix<double, 6, 6>& covariance, bool with_rate) {
+  const Eigen::Vector3d point = state.head<3>(), velocity = state.tail<3>();
+  const auto seen = innovationOf(ray, point);
+  if (!seen) return std::nullopt;
+  const Eigen::Vector3d v = (point - ray.origin) / seen->range;
+  const Eigen::Matrix<double, 2, 3> B = acrossBasis(v);
+  Eigen::Matrix<double, 4, 6> H = Eigen::Matrix<double, 4, 6>::Zero();
+  Eigen::Vector4d residual = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d R = Eigen::Matrix4d::Identity();
+  H.topLeftCorner<2, 3>() = seen->H;
+  residual.head<2>() = seen->residual;
+  R.topLeftCorner<2, 2>() = seen->R;
+  if (with_rate && ray.motion) {
+    const Eigen::Vector3d relative = velocity - ray.motion->origin_velocity;
+    const Eigen::Vector2d expected = B * relative / seen->range;
+    H.bottomLeftCorner<2, 3>() =
+        -(relative.dot(v) / seen->range * B + expected * v.transpose()) / seen->range;
+    H.bottomRightCorner<2, 3>() = B / seen->range;
+    residual.tail<2>() = B * ray.motion->rate - expected;
+    R.bottomRightCorner<2, 2>() = symmetric(B * ray.motion->covariance * B.transpose());
+  }
+  const Eigen::Matrix4d S = symmetric(H * covariance * H.transpose()) + R;
+  return residual.dot(S.llt().solve(residual));
+}
+
 Refusal refusalOf(CrossingVerdict verdict) {
   switch (verdict) {
     case CrossingVerdict::crossing:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <sstream>
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
@@ -105,6 +106,17 @@ void PositionTrackerHealth::diagnose(core::Time now, const std::map<std::string,
     for (const auto& station : report_->stations) {
       status.addf("slow error of " + station.tracker + "/" + station.sensor, "%.2f stated sigmas, %.1f s",
                   station.slow_scale, station.time_constant);
+      if (station.corrected) {
+        const double turned = std::hypot(station.rotation[0], station.rotation[1], station.rotation[2]);
+        status.addf("put right: " + station.tracker + "/" + station.sensor,
+                    "clock %.4f +- %.4f s behind, turned by %.2e rad", station.clock_behind,
+                    station.clock_sigma, turned);
+      }
+      if (station.undecided) {
+        status.mergeSummary(DiagnosticStatus::WARN,
+                            "clock or orientation of " + station.tracker +
+                                " or of another station is off, and the targets do not tell whose");
+      }
     }
   }
   refusals_.diagnose(status);

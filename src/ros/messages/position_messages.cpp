@@ -60,6 +60,8 @@ sightline::StationError toMessage(const core::StationReport& station) {
   message.clock_behind = message.clock_sigma = kNotKnown;
   message.rotation.fill(kNotKnown);
   message.rotation_sigma.fill(kNotKnown);
+  message.corrected = station.is_corrected;
+  message.undecided = station.is_undecided;
   if (!station.alignment) return message;
   message.clock_behind = -station.alignment->clock;
   message.clock_sigma = station.alignment->clock_sigma;

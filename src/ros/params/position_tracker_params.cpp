@@ -78,6 +78,19 @@ core::StationNoiseParams loadNoise(const ParamReader& reader, core::StationNoise
   return params;
 }
 
+core::StationCorrectionParams loadCorrection(const ParamReader& reader, core::StationCorrectionParams params,
+                                             const core::StationAlignmentParams& wide) {
+  params.enabled = reader.flag("enabled", params.enabled);
+  params.normal_clock_sigma =
+      reader.number("normal_clock_sigma", params.normal_clock_sigma, inside(0.0, wide.clock_sigma), "s");
+  params.normal_orientation_sigma = reader.number("normal_orientation_sigma", params.normal_orientation_sigma,
+                                                  inside(0.0, wide.orientation_sigma), "rad");
+  params.significance = reader.number("significance", params.significance, above(0.0));
+  params.release = reader.number("release", params.release, inside(0.0, params.significance));
+  params.least_margin = reader.number("least_margin", params.least_margin, atLeast(0.0));
+  return params;
+}
+
 }  // namespace
 
 core::PositionTrackerParams loadPositionTrackerParams(const ParamReader& reader,
@@ -90,6 +103,8 @@ core::PositionTrackerParams loadPositionTrackerParams(const ParamReader& reader,
   scene.estimator = loadEstimator(reader.sub("estimator"), scene.estimator);
   scene.hypotheses = loadHypotheses(reader.sub("hypotheses"), scene.hypotheses);
   scene.noise = loadNoise(reader.sub("station_noise"), scene.noise);
+
+  scene.correction = loadCorrection(reader.sub("station_correction"), scene.correction, scene.alignment);
 
   scene.decision_interval = reader.number("decision_interval", scene.decision_interval, above(0.0), "s");
   scene.claim_gate = reader.number("claim_gate", scene.claim_gate, above(0.0));

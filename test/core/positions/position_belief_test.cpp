@@ -177,5 +177,34 @@ TEST(PositionBelief, OneStationAloneStillTellsTheDirection) {
   EXPECT_LT(angleBetween(belief.mean.head<3>(), plain.mean.head<3>()), 1e-3);
 }
 
+TEST(PositionBelief, AnOldDirectionSaysWhatItWouldHaveSaidInTime) {
+  constexpr double kAge = 0.2;  // [s]
+  const PositionModel still{PositionModel::Kind::white_jerk, 0.0};
+  const DirectionUpdate fresh = directionTo({0, -60, 3}, {100.3, 0.4, 20.2}, 1e-3, -1);
+  PositionBelief in_time = someBelief(), late = someBelief();
+  const UpdateResult expected = update(in_time, fresh, kNoOutliers);
+  predict(in_time, still, 1.0, kAge, {});
+  predict(late, still, 1.0, kAge, {});
+  DirectionUpdate old = fresh;
+  old.age = kAge;
+  const UpdateResult result = update(late, old, kNoOutliers);
+  EXPECT_NEAR(result.distance_squared, expected.distance_squared, 1e-9 * expected.distance_squared);
+  EXPECT_LT((late.mean - in_time.mean).norm(), 1e-5);
+  EXPECT_LT((late.covariance - in_time.covariance).norm(), 1e-5 * in_time.covariance.norm());
+}
+
+TEST(PositionBelief, AnOldDirectionOfOneStationAloneIsThatOfWhereTheTargetWas) {
+  PositionBelief belief = someBelief();
+  belief.covariance *= 1e-6;
+  const Vector origin(0, -60, 3), point = belief.mean.head<3>(), velocity = belief.mean.segment<3>(3),
+                                  acceleration = belief.mean.segment<3>(6);
+  DirectionUpdate old =
+      directionTo(origin, point - 0.2 * velocity + 0.5 * 0.2 * 0.2 * acceleration, 1e-4, -1);
+  PositionBelief unaware = belief;
+  EXPECT_GT(updateAlone(unaware, old, kNoOutliers).distance_squared, 100.0);
+  old.age = 0.2;
+  EXPECT_LT(updateAlone(belief, old, kNoOutliers).distance_squared, 1e-9);
+}
+
 }  // namespace
 }  // namespace sightline::core

@@ -42,7 +42,7 @@ const std::vector<Vector> kStations{{0, 0, 0}, {120, 0, 2}, {40, 110, 5}, {-60, 
 std::vector<LookingStation> looking(int stations) {
   std::vector<LookingStation> all;
   for (int s = 0; s < stations; ++s)
-    all.push_back({s, kStations[static_cast<std::size_t>(s)], FieldOfView{}});
+    all.push_back({s, kStations[static_cast<std::size_t>(s)], {FieldOfView{}}});
   return all;
 }
 
@@ -177,7 +177,8 @@ TEST(PositionHypotheses, AStationThatLooksAndDoesNotSeeMakesACrossingLessLikely)
   const double without = two.decide(Time(durationOf(1.0)), views, looking(2)).targets.at(0).score;
   const double missed = three.decide(Time(durationOf(1.0)), views, stations).targets.at(0).score;
   EXPECT_NEAR(without - missed, -std::log(0.1), 1e-9);
-  stations[2].view->half_widths = {0.01, 0.01};
+  stations[2].views = {stations[2].views[0], stations[2].views[0]};  // two sensors, neither looks there
+  for (FieldOfView& view : stations[2].views) view.half_widths = {0.01, 0.01};
   const double elsewhere = blind.decide(Time(durationOf(1.0)), views, stations).targets.at(0).score;
   EXPECT_DOUBLE_EQ(elsewhere, without);
 }

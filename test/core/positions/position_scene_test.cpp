@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -26,6 +27,7 @@ const std::vector<Vector> kOrigins{{0, 0, 0}, {100, 0, 2}, {90, 110, 5}, {-30, 9
 struct Voice {
   PositionScene& scene;
   RandomStream random{7};
+  double existence = std::numeric_limits<double>::quiet_NaN();  // that local trackers state
 
   void say(int station, double time, const Vector& target, const Vector& velocity, std::uint32_t id = 1,
            bool is_reported = true) {
@@ -52,6 +54,7 @@ struct Voice {
           anglesJacobian((target - origin).normalized()) * velocity / (target - origin).norm();
       track.state.covariance.diagonal() << 1e-7, 1e-7, 1e-5, 1e-5;
       track.last_sighting = tracks.time;
+      track.existence = existence;
       tracks.tracks = {track};
     }
     scene.take(tracks);
@@ -81,6 +84,35 @@ TEST(PositionScene, AFurtherStationSupportsTheTargetThatItAgreesWith) {
 }
 
 // Two pairs of stations find the same target at once: four stations, of which each pair comes up for itself.
+TEST(PositionScene, ExistenceIsThatOneOfTheTracksIsNotFalseAndThatTheyAreOfOneTarget) {
+  PositionScene scene{PositionSceneParams{}};
+  Voice voice{scene};
+  voice.existence = 0.9;
+  for (int i = 1; i < 40; ++i)
+    for (int station = 0; station < 2; ++station) voice.say(station, i * kStep, along(i * kStep), kVelocity);
+  const auto pair = tracksAt(scene, 39 * kStep);
+  ASSERT_EQ(pair.size(), 1u);
+  EXPECT_LT(pair[0].existence, 0.99) << "1 - 0.1^2, and the tracks may be of two targets";
+  EXPECT_GT(pair[0].existence, 0.98);
+  for (int i = 40; i < 80; ++i)
+    for (int station = 0; station < 3; ++station) voice.say(station, i * kStep, along(i * kStep), kVelocity);
+  const auto three = tracksAt(scene, 79 * kStep);
+  ASSERT_EQ(three.size(), 1u);
+  EXPECT_NEAR(three[0].existence, 0.999, 1e-3);
+  EXPECT_GT(three[0].existence, pair[0].existence);
+  EXPECT_LT(three[0].existence, 0.999);
+}
+
+TEST(PositionScene, TrackersThatStateNoExistenceTellHalfOfIt) {
+  PositionScene scene{PositionSceneParams{}};
+  Voice voice{scene};
+  for (int i = 1; i < 40; ++i)
+    for (int station = 0; station < 2; ++station) voice.say(station, i * kStep, along(i * kStep), kVelocity);
+  const auto tracks = tracksAt(scene, 39 * kStep);
+  ASSERT_EQ(tracks.size(), 1u);
+  EXPECT_NEAR(tracks[0].existence, 0.75, 1e-3);
+}
+
 TEST(PositionScene, TwoTargetsThatAreOneAreMergedIntoTheOlder) {
   PositionScene scene{PositionSceneParams{}};
   Voice voice{scene};

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
 #include "sightline/core/model/sphere.h"
@@ -214,6 +215,27 @@ TEST(Rays, PlaneTestIsChiSquareOverManyDraws) {
   }
   EXPECT_NEAR(offset, 1.0, 3.5 * std::sqrt(2.0 / draws));
   EXPECT_NEAR(rate, 1.0, 3.5 * std::sqrt(2.0 / draws));
+}
+
+TEST(Rays, DistanceToATargetIsChiSquareOverManyDraws) {
+  Eigen::Matrix<double, 6, 1> truth;
+  truth << 40, 70, 25, 3, -5, 1;
+  const Eigen::Matrix<double, 6, 6> P =
+      (Eigen::Matrix<double, 6, 1>() << 0.04, 0.01, 0.02, 0.1, 0.2, 0.1).finished().asDiagonal();
+  RandomStream random(8);
+  const int draws = 1000;
+  double of_direction = 0.0, of_both = 0.0;
+  for (int draw = 0; draw < draws; ++draw) {
+    Eigen::Matrix<double, 6, 1> state = truth;
+    for (int i = 0; i < 6; ++i) state(i) += std::sqrt(P(i, i)) * random.normalPair().x();
+    const Ray ray = disturbed(movingRayTo({100, 20, 5}, truth.head<3>(), truth.tail<3>(), 2e-3, 3e-3), 2e-3,
+                              3e-3, random);
+    of_direction += *distanceSquared(ray, state, P, false) / draws;
+    of_both += *distanceSquared(ray, state, P, true) / draws;
+  }
+  EXPECT_NEAR(of_direction, 2.0, 3.5 * std::sqrt(4.0 / draws));
+  EXPECT_NEAR(of_both, 4.0, 3.5 * std::sqrt(8.0 / draws));
+  EXPECT_FALSE(distanceSquared(rayTo({40, 70, 100}, {40, 70, 200}, 1e-3), truth, P, false)) << "behind";
 }
 
 TEST(Rays, RaysOfOneTargetLieAtOneAngleAboutTheBaseline) {

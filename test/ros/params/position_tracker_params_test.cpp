@@ -77,8 +77,17 @@ TEST(PositionTrackerParams, EveryKeyOfTheSectionsReachesItsField) {
           " least_score: 1.0, least_margin: 2.0, least_fit_margin: 5.0, most_candidates: 10},"
           " station_noise: {slow_scale: 2.0, time_constant: 5.0, safety: 1.5, memory: 30.0, prior_weight: "
           "20.0,"
-          " least_scale: 0.2, most_scale: 10.0, least_time: 1.0, most_time: 20.0, learn_time: true}}")
+          " least_scale: 0.2, most_scale: 10.0, least_time: 1.0, most_time: 20.0, learn_time: true},"
+          " station_correction: {enabled: false, normal_clock_sigma: 2.0e-03, normal_orientation_sigma: "
+          "3.0e-04,"
+          " significance: 6.0, release: 2.0, least_margin: 4.0}}")
           .scene;
+  EXPECT_FALSE(scene.correction.enabled);
+  EXPECT_EQ(scene.correction.normal_clock_sigma, 2e-3);
+  EXPECT_EQ(scene.correction.normal_orientation_sigma, 3e-4);
+  EXPECT_EQ(scene.correction.significance, 6.0);
+  EXPECT_EQ(scene.correction.release, 2.0);
+  EXPECT_EQ(scene.correction.least_margin, 4.0);
   EXPECT_EQ(scene.estimator.dwell, 5.0);
   EXPECT_EQ(scene.estimator.scale_memory, 2.0);
   EXPECT_EQ(scene.estimator.outlier_distance, 3.0);

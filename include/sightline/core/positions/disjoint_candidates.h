@@ -1,25 +1,11 @@
 #pragma once
 
-#include <cstdint>
-#include <tuple>
 #include <vector>
 
+#include "sightline/core/positions/local_view.h"
 #include "sightline/core/positions/rays.h"
 
 namespace sightline::core {
-
-/// A local track: number of its station, id there.
-struct ViewKey {
-  int station = 0;
-  std::uint32_t track = 0;
-
-  friend bool operator==(const ViewKey& a, const ViewKey& b) {
-    return a.station == b.station && a.track == b.track;
-  }
-  friend bool operator<(const ViewKey& a, const ViewKey& b) {
-    return std::tie(a.station, a.track) < std::tie(b.station, b.track);
-  }
-};
 
 /// A set of local tracks, one a station at most, that may be one target.
 struct Candidate {

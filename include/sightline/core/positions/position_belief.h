@@ -54,7 +54,8 @@ struct DirectionUpdate {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit vector
   Eigen::Matrix<double, 2, 3> basis;                     ///< two unit vectors across it: of the slot
   Eigen::Matrix2d R = Eigen::Matrix2d::Identity();       ///< white noise over `basis` [rad^2]
-  int slot = -1;  ///< of the station's slow error; -1: not in the state
+  int slot = -1;     ///< of the station's slow error; -1: not in the state
+  double age = 0.0;  ///< seen so long before the time of the belief; negative: after it [s]
 };
 
 /// What an update did.

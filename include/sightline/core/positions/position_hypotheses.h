@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
@@ -11,21 +10,16 @@
 #include "sightline/core/model/field_of_view.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/positions/disjoint_candidates.h"
+#include "sightline/core/positions/local_view.h"
 #include "sightline/core/positions/rays.h"
 
 namespace sightline::core {
-
-/// What a local track says now: a ray with its rate, slow errors of its sensors in the covariance.
-struct LocalView {
-  ViewKey key;
-  Ray ray;
-};
 
 /// A station that looks, whether it sees anything or not.
 struct LookingStation {
   int station = 0;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [m]
-  std::optional<FieldOfView> view;  ///< its `tracking` frame is the common one; nullopt = not known
+  std::vector<FieldOfView> views;  ///< its `tracking` frame is the common one; empty = not known
 };
 
 struct HypothesisParams {

@@ -20,10 +20,12 @@
 #include "sightline/core/positions/position_hypotheses.h"
 #include "sightline/core/positions/position_track.h"
 #include "sightline/core/positions/station_alignment.h"
+#include "sightline/core/positions/station_correction.h"
 #include "sightline/core/positions/station_noise.h"
 
 namespace sightline::core {
 
+constexpr double kMostLogOdds = 20.0;  ///< that tracks are of one target
 constexpr double kFreshestView = 0.5;  ///< [s] beyond which a local track says nothing of now
 
 /// Where a station is, and how it is turned.
@@ -39,7 +41,7 @@ struct StationTracks {
   std::string tracker;
   Time time{};
   StationPose pose;
-  std::optional<FieldOfView> view;  ///< in the metric frame; nullopt = not known
+  std::vector<FieldOfView> views;  ///< of its sensors, in the metric frame; empty = not known
   std::vector<Track> tracks;
 };
 
@@ -63,6 +65,7 @@ struct PositionSceneParams {
   HypothesisParams hypotheses;
   StationNoiseParams noise;
   StationAlignmentParams alignment;
+  StationCorrectionParams correction;
   double decision_interval = 0.1;  ///< between decisions on which local tracks are one target [s], > 0
   double claim_gate = 18.5;     ///< chi-square of 4 with which a further local track supports a target, > 0
   int claim_decisions = 3;      ///< in turn, before it does, >= 1
@@ -101,7 +104,7 @@ class PositionScene {
  private:
   struct Tracker {
     std::string name;
-    std::optional<FieldOfView> view;
+    std::vector<FieldOfView> views;
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();
     Time time{};
   };
@@ -111,13 +114,14 @@ class PositionScene {
     StationNoise noise;
   };
   struct Local {
-    LocalView view;  // at `time`, without slow errors
-    Time time{};
+    LocalView view;                // at `time`, without slow errors, as the station says it
+    Time time{}, since{};          // `since`: reported
     bool is_reported = false;      // by the tracker, and confirmed
+    double existence = 0.5;        // as its tracker says; 0.5 where it says none
     double stated_variance = 0.0;  // of its directions, slow errors included [rad^2]; 0 = not known
     double reference = 0.0;        // slowReference of its directions [rad^2]
     std::vector<int> sensors;
-    std::vector<StationMeasurement> recent;  // the last seconds, in order
+    std::vector<StationMeasurement> recent;  // the last seconds, in order, as the station says it
     std::uint32_t target = 0;                // that it supports, 0 = none
   };
   struct Target {
@@ -128,6 +132,7 @@ class PositionScene {
     Time since{}, last_sighting{};  // `since`: has a position
     std::optional<Time> lost;       // when it became a direction
     bool is_confirmed = false;
+    double log_odds = 0.0;  // that its tracks are of one target and not of several
   };
 
   int trackerNumber(const std::string& name);
@@ -137,8 +142,11 @@ class PositionScene {
   static bool speaksAt(const Local& local, Time now);
   static int stationsOf(const Target& target);
   void note(std::uint32_t target, Time taken, const StationMeasurement& measurement);
+  double existenceOf(const Target& target) const;
   void decide(Time now);
   LocalView viewAt(const Local& local, Time now) const;
+  LocalView statedViewAt(const Local& local, Time now) const;
+  StationMeasurement corrected(const ViewKey& key, const StationMeasurement& measurement) const;
   void release(std::uint32_t id, const ViewKey& key);
   void dissolve(std::uint32_t id);
   void forget(Time now);
@@ -151,6 +159,9 @@ class PositionScene {
   void startTargets(Time now);
   void merge(Time now);
   void learnAlignment(Time now);
+  std::vector<std::vector<ViewKey>> alignedViews(Time now) const;
+  void correctStations(Time now);
+  std::vector<StationReport> stationReports() const;
   std::shared_ptr<PositionEstimator> estimatorFrom(const std::set<ViewKey>& members) const;
 
   std::shared_ptr<const PositionSceneParams> params_;
@@ -159,8 +170,11 @@ class PositionScene {
   std::map<ViewKey, Local> locals_;
   std::map<std::uint32_t, Target> targets_;
   PositionHypotheses hypotheses_;
-  PositionHypotheses review_;   // of confirmed positions that two stations support
-  StationAlignment alignment_;  // by number of the tracker
+  PositionHypotheses review_;          // of confirmed positions that two stations support
+  StationAlignment alignment_;         // by number of the tracker
+  StationAlignment common_alignment_;  // from times at which two targets or more tell something
+  StationCorrections corrections_;
+  std::optional<Time> corrected_;                            // when they were decided last
   std::map<std::pair<std::uint32_t, ViewKey>, int> claims_;  // decisions in turn
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> meetings_;
   bool keeps_measurements_ = false;

@@ -25,7 +25,7 @@ SmoothedPositionBank nothingLater(const PositionStep& step);
 /// What is known at the beginning of a step, given what is known at its end. Slow errors that came into the
 /// state there say nothing of the beginning; those that have left it are told by the rest. `models`: of the
 /// bank.
-// (P-16)
+// (P-18)
 SmoothedPositionBank smoothedBack(const PositionStep& step, const std::vector<PositionModel>& models,
                                   const SmoothedPositionBank& later);
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,7 +22,7 @@ struct PositionTrack {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();                            ///< [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();                            ///< [m/s]
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< (position, velocity)
-  double existence = std::numeric_limits<double>::quiet_NaN();  ///< probability, NaN = not computed
+  double existence = 0.0;                                                        ///< probability [1]
   Time last_sighting{};
   double parallax = 0.0;             ///< largest angle between the rays that support it now [rad]
   std::vector<std::string> sources;  ///< `tracker/id` of the local tracks that support it, sorted
@@ -55,7 +54,9 @@ struct StationReport {
   double slow_scale = 1.0;     ///< sigma of its slow error over what is stated and not white noise [1]
   double time_constant = 3.0;  ///< of it [s]
   std::optional<StationAlignmentEstimate>
-      alignment;  ///< of its station, when targets have told something of it
+      alignment;              ///< of its station, when targets have told something of it
+  bool is_corrected = false;  ///< its directions are put right by `alignment`
+  bool is_undecided = false;  ///< it or another station is off, and nobody can tell which
 };
 
 struct PositionReport {

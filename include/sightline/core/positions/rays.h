@@ -46,6 +46,11 @@ struct RayInnovation {
 /// (P-1). nullopt when the point is at the origin or behind the ray (more than 90 degrees from it).
 std::optional<RayInnovation> innovationOf(const Ray& ray, const Eigen::Vector3d& point);
 
+/// Chi-square of a ray against a target of this (position, velocity): 2 degrees of freedom, 4 with the rate
+/// (P-2), which counts where the ray has motion. nullopt as for innovationOf.
+std::optional<double> distanceSquared(const Ray& ray, const Eigen::Matrix<double, 6, 1>& state,
+                                      const Eigen::Matrix<double, 6, 6>& covariance, bool with_rate);
+
 /// The point at which rays cross, and how well it is known.
 struct Intersection {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();       ///< [m]

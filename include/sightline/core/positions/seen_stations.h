@@ -15,7 +15,8 @@ struct StationMeasurement {
   Time time{};
   int station = 0;  ///< number of the station, >= 0, the caller's
   Ray ray;  ///< from where, where to; `covariance` is of the white noise; motion: of the origin, if known
-  SlowError slow;  ///< of the station
+  SlowError slow;    ///< of the station
+  double age = 0.0;  ///< it was seen so long before `time`: the station's clock is late by this [s]
 };
 
 /// A station that has seen the target.

@@ -1,12 +1,16 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "sightline/core/positions/rays.h"
+#include "sightline/core/model/time.h"
+#include "sightline/core/positions/local_view.h"
 
 namespace sightline::core {
 
@@ -27,23 +31,41 @@ struct StationAlignmentEstimate {
 
 /// Clock offsets and misorientations of stations from pairs of rays of one target: in one plane with the
 /// baseline they would lie (P-3), and how far they are out of it answers linearly to both (P-14). No model of
-/// motion and no estimate of the position is needed, so that nothing is found that was put in. What angles
-/// cannot tell (a common clock, a common rotation) stays at its prior, which its standard deviation shows.
+/// motion and no estimate of the position is needed, so that nothing is found that was put in. Errors of
+/// tracks and the slow errors of stations stay for a while and make samples say the same: both are considered
+/// (Schmidt 1966), with the times for which they stay, in the covariance of the estimate. Along one path what
+/// a lens gets wrong looks like a clock or an orientation, and no residual tells. What angles cannot tell (a
+/// common clock, a common rotation) stays at its prior, which its standard deviation shows.
 class StationAlignment {
  public:
+  static constexpr int kStates = 4;  ///< of a station: clock, orientation
+
   /// Throws std::invalid_argument for a parameter out of range.
   explicit StationAlignment(const StationAlignmentParams& params = {});
 
-  /// Two rays with motion of one target, seen by stations `a` and `b` (numbers from 0, the caller's) at one
-  /// time; slow errors are in the rays' covariances. `share`: of an independent sample that this one is, in
-  /// (0, 1]; errors that vary slowly make samples say the same.
-  void take(int a, const Ray& ray_a, int b, const Ray& ray_b, double share);
+  /// What two stations (numbers from 0, the caller's) see of one target at a time, with motion; times do not
+  /// go back. `share`: of a sample that this one counts for, in (0, 1]: pairs of n rays share errors.
+  /// Estimates are those of up to a second before.
+  void take(Time time, const LocalView& a, const LocalView& b, double share);
 
   /// Time passes: what was seen counts less.
   void forget(double h);
 
+  /// Whether a pair has been taken of the station.
+  bool knows(int station) const;
+
   /// nullopt for a station that no pair has been taken of.
-  std::optional<StationAlignmentEstimate> of(int station) const;
+  /// The clock is against the mean of all known stations, but those that count as wrong (by station; may be
+  /// shorter).
+  std::optional<StationAlignmentEstimate> of(int station, const std::vector<bool>& is_wrong = {}) const;
+
+  /// Mean and covariance over (clock [s], orientation [rad]) of one station, priors included; the priors
+  /// alone for one that is not known.
+  struct Marginal {
+    Eigen::Vector4d mean = Eigen::Vector4d::Zero();
+    Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  };
+  Marginal marginalOf(int station) const;
 
   /// Clock of station `b` less that of station `a`, and its standard deviation [s].
   struct ClockDifference {
@@ -53,19 +75,44 @@ class StationAlignment {
 
   int stations() const { return static_cast<int>(is_seen_.size()); }
 
+  /// Normal equations over (clock, orientation) of each station, without the priors: the information that is
+  /// left with all errors considered.
+  struct Equations {
+    Eigen::MatrixXd information;
+    Eigen::VectorXd vector;
+  };
+  Equations equations() const;
+
  private:
-  static constexpr Eigen::Index kStates = 4;  // of a station: clock, orientation
+  using PairVector = Eigen::Matrix<double, 2 * kStates, 1>;  // over the states of two stations
+  struct Sample {
+    double offset = 0.0, variance = 0.0;
+    PairVector h = PairVector::Zero();  // how the offset answers to the states
+  };
+  struct Series {                                                             // of two tracks
+    Time time{};                                                              // of its last sample
+    PairVector by_tracks = PairVector::Zero(), by_slow = PairVector::Zero();  // what errors that are still
+                                                                              // there have added to `vector_`
+  };
+
   void makeRoomFor(int station);
-  bool knows(int station) const;
-  void solve() const;
+  double credibility(const Sample& sample, int a, int b) const;
+  bool tells(int station) const;
+  void solve();
+  Eigen::VectorXd priors() const;
 
   StationAlignmentParams params_;
   std::vector<bool> is_seen_;
-  Eigen::MatrixXd information_;  // without the priors
+  Eigen::MatrixXd information_;  // as if samples were independent
+  Eigen::MatrixXd considered_;   // covariance of `vector_`
   Eigen::VectorXd vector_;
-  mutable bool is_solved_ = false;
-  mutable Eigen::VectorXd solution_;
-  mutable Eigen::MatrixXd covariance_;
+  double squares_ = 0.0, count_ = 0.0;  // of samples
+  std::map<std::pair<ViewKey, ViewKey>, Series> series_;
+  std::optional<Time> solved_;  // time of a sample
+  double unsolved_for_ = 0.0;   // of forgetting since then [s]
+  double scale_ = 1.0;          // of the variance of what is left, over what the rays state
+  Eigen::VectorXd solution_;
+  Eigen::MatrixXd covariance_;
 };
 
 }  // namespace sightline::core
