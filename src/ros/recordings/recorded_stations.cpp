@@ -50,21 +50,28 @@ RecordedStations recordedStationsOf(const rosbag::Bag& bag, const std::string& m
 
   RecordedStations found;
   std::vector<std::optional<Eigen::Vector3d>> origins;  // of the stations
+  std::vector<std::string> platforms;                   // likewise; empty = none
   for (const auto& [sensor, scan] : first) {
     std::optional<Eigen::Vector3d> origin;
     if (isPoseKnown(scan.frame, stamp, metric_frame, transforms.buffer()))
       origin = poseOf(scan.frame, stamp, metric_frame, transforms.buffer()).origin;
-    const auto same = std::find_if(origins.begin(), origins.end(), [&origin](const auto& other) {
-      return origin && other && (*other - *origin).norm() <= RecordedStations::kOnePlace;
-    });
-    if (same != origins.end()) {
-      found.stations[static_cast<std::size_t>(same - origins.begin())].sensors.push_back(sensor);
+    const std::string platform = transforms.platformOf(scan.frame);
+    std::size_t same = 0;
+    for (; same < origins.size(); ++same) {
+      if (!origin || !origins[same]) continue;
+      const bool is_on_platform = !platform.empty() && platforms[same] == platform && platform != scan.frame;
+      const double reach = is_on_platform ? RecordedStations::kOnePlatform : RecordedStations::kOnePlace;
+      if ((*origins[same] - *origin).norm() <= reach) break;
+    }
+    if (same < origins.size()) {
+      found.stations[same].sensors.push_back(sensor);
       continue;
     }
     for (const auto& other : origins)
       if (origin && other) found.apart = std::max(found.apart, (*other - *origin).norm());
     found.stations.push_back({sensor, scan.frame, {sensor}});
     origins.push_back(origin);
+    platforms.push_back(platform);
   }
   return found;
 }

@@ -18,6 +18,8 @@ namespace core = sightline::core;
 
 namespace {
 
+constexpr int kMostSteps = 100;  // up from a frame
+
 std::vector<geometry_msgs::TransformStamped> transformsOn(const std::string& topic, const rosbag::Bag& bag) {
   std::vector<geometry_msgs::TransformStamped> transforms;
   rosbag::View view(bag, rosbag::TopicQuery(topic));
@@ -49,6 +51,7 @@ RecordedTransforms::RecordedTransforms(const rosbag::Bag& bag, KnownTransforms k
   moving_.reserve(moving.size());
   for (geometry_msgs::TransformStamped& transform : moving) {
     const core::Time stamp = toCore(transform.header.stamp);
+    moving_frames_.insert(transform.child_frame_id);
     const auto [before, is_first] = last.try_emplace(transform.child_frame_id, core::Time::min());
     moving_.push_back({known == KnownTransforms::one_further ? before->second : stamp, std::move(transform)});
     before->second = stamp;
@@ -62,6 +65,16 @@ void RecordedTransforms::rewind() {
   buffer_.clear();
   next_ = 0;
   for (const auto& transform : fixed_) buffer_.setTransform(transform, "bag", true);
+}
+
+std::string RecordedTransforms::platformOf(const std::string& frame) const {
+  std::string at = frame, parent;
+  for (int step = 0; step < kMostSteps; ++step) {
+    if (moving_frames_.count(at) > 0) return at;
+    if (!buffer_._getParent(at, ros::Time(0), parent)) return {};
+    at = parent;
+  }
+  return {};
 }
 
 void RecordedTransforms::advanceTo(core::Time time) {

@@ -73,4 +73,35 @@ TEST(RecordedStations, SensorsOfAPlatformThatMovesAreComparedAtOneTime) {
   EXPECT_FALSE(found.standApart()) << found.apart;
 }
 
+/// Two sensors `apart` [m] on a frame "ship", which /tf or /tf_static leads to.
+RecordedStations onAShip(double apart, bool moves) {
+  const ScratchFolder folder;
+  {
+    rosbag::Bag bag(folder.file("in.bag"), rosbag::bagmode::Write);
+    tf2_msgs::TFMessage mounts;
+    for (const auto& [name, x] : {std::pair<const char*, double>{"a", 0.0}, {"b", apart}}) {
+      SeenStation station(name, {x, 0.0, 0.0}, 0.3, 1);
+      mounts.transforms.push_back(station.transform(ros::Time(10.0), "ship"));
+      bag.write(std::string("/") + name, ros::Time(11.0), station.scan(ros::Time(11.0), targetAt(0.0)));
+    }
+    bag.write("/tf_static", ros::Time(10.0), mounts);
+    for (int i = 0; i < 4; ++i) {
+      tf2_msgs::TFMessage ship;
+      ship.transforms.push_back(
+          SeenStation("ship", {10.0 * i, 0.0, 0.0}, 0.3, 1).transform(ros::Time(10.0 + i), "world"));
+      if (moves || i == 0) bag.write(moves ? "/tf" : "/tf_static", ros::Time(10.0 + i), ship);
+    }
+  }
+  const rosbag::Bag bag(folder.file("in.bag"));
+  return recordedStationsOf(bag, "world");
+}
+
+TEST(RecordedStations, SensorsMountedOnOnePlatformThatMovesAreOneStationUpToTenMetres) {
+  const RecordedStations near = onAShip(3.0, true);
+  EXPECT_FALSE(near.standApart()) << near.apart;
+  EXPECT_EQ(near.stations.size(), 1u);
+  EXPECT_TRUE(onAShip(30.0, true).standApart());
+  EXPECT_TRUE(onAShip(3.0, false).standApart()) << "a frame that stands is no platform";
+}
+
 }  // namespace

@@ -21,10 +21,13 @@ struct RecordedStations {
 
   bool standApart() const { return stations.size() > 1 && apart > kOnePlace; }
 
-  static constexpr double kOnePlace = 1.0;  ///< [m]: sensors closer together than that are one station
+  static constexpr double kOnePlace = 1.0;      ///< [m]: sensors closer together than that are one station
+  static constexpr double kOnePlatform = 10.0;  ///< [m]: the same of sensors that are mounted on one platform
+                                                ///< which moves; as the default of the fusion's max_baseline
 };
 
-/// Sensors by the places of their frames in `metric_frame`, at the time from which all have spoken. A sensor
+/// Sensors by the places of their frames in `metric_frame`, at the time from which all have spoken. Those on
+/// one platform (by /tf_static below a frame that /tf moves) are one station even metres apart. A sensor
 /// without a place there is a station of its own, which does not count for `apart`.
 RecordedStations recordedStationsOf(const rosbag::Bag& bag, const std::string& metric_frame);
 

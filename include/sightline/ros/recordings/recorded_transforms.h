@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <set>
+#include <string>
 #include <vector>
 
 #include <geometry_msgs/TransformStamped.h>
@@ -35,6 +37,10 @@ class RecordedTransforms {
 
   const tf2::BufferCore& buffer() const { return buffer_; }
 
+  /// The frame nearest above `frame`, or itself, that /tf moves and not /tf_static: the platform on which it
+  /// is mounted. Empty where there is none, as far as transforms are known at the time that was advanced to.
+  std::string platformOf(const std::string& frame) const;
+
  private:
   struct Moving {
     sightline::core::Time due{};  // when it becomes known
@@ -44,6 +50,7 @@ class RecordedTransforms {
   tf2::BufferCore buffer_;
   std::vector<geometry_msgs::TransformStamped> fixed_;
   std::vector<Moving> moving_;  // by `due`
+  std::set<std::string> moving_frames_;
   std::size_t next_ = 0;
 };
 
