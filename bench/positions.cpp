@@ -23,10 +23,10 @@
 #include <Eigen/Cholesky>
 
 #include "sightline/core/positions/position_estimator.h"
-#include "sightline/core/positions/position_smoother.h"
 #include "sightline/core/positions/rays.h"
-#include "sightline/core/positions/station_alignment.h"
-#include "sightline/core/positions/station_noise.h"
+#include "sightline/core/positions/smoothing/position_smoother.h"
+#include "sightline/core/positions/stations/station_alignment.h"
+#include "sightline/core/positions/stations/station_noise.h"
 
 #include "position_recordings.h"
 #include "position_tables.h"

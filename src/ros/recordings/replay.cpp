@@ -44,24 +44,6 @@ struct Tracker {
   bool is_used = false;                    // its tracks go to the fusion or to the position tracker
 };
 
-ParamReader configurationOf(const ReplaySettings& settings) {
-  return settings.config.empty() ? ParamReader(XmlRpc::XmlRpcValue(), "")
-                                 : ParamReader::fromYaml(settings.config);
-}
-
-/// A section of the configuration with `choice` (empty = none) under `key`.
-ParamReader sectionOf(const ParamReader& config, const std::string& name, const std::string& key,
-                      const std::string& choice) {
-  const ParamReader section = config.sub(name);
-  return choice.empty() ? section : section.with(key, choice);
-}
-
-/// The fusion has an estimator, too.
-ParamReader fusionSectionOf(const ParamReader& config, const ReplaySettings& settings) {
-  const ParamReader section = sectionOf(config, "track_fusion", "rule", settings.rule);
-  return settings.estimator.empty() ? section : section.with("estimator", settings.estimator);
-}
-
 /// The trackers, and the fusion or the position tracker, of one replay: scans in, messages out.
 class Replay {
  public:

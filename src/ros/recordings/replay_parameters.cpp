@@ -25,6 +25,22 @@ void addLines(const std::string& name, const YAML::Node& node, std::string& text
 
 }  // namespace
 
+ParamReader configurationOf(const ReplaySettings& settings) {
+  return settings.config.empty() ? ParamReader(XmlRpc::XmlRpcValue(), "")
+                                 : ParamReader::fromYaml(settings.config);
+}
+
+ParamReader sectionOf(const ParamReader& config, const std::string& name, const std::string& key,
+                      const std::string& choice) {
+  const ParamReader section = config.sub(name);
+  return choice.empty() ? section : section.with(key, choice);
+}
+
+ParamReader fusionSectionOf(const ParamReader& config, const ReplaySettings& settings) {
+  const ParamReader section = sectionOf(config, "track_fusion", "rule", settings.rule);
+  return settings.estimator.empty() ? section : section.with("estimator", settings.estimator);
+}
+
 std::string parametersText(const ReplaySettings& settings) {
   std::string text = "--config: " + (settings.config.empty() ? "none" : settings.config) + "\n";
   if (!settings.config.empty()) {

@@ -19,9 +19,9 @@
 #include "sightline/core/positions/position_estimator.h"
 #include "sightline/core/positions/position_hypotheses.h"
 #include "sightline/core/positions/position_track.h"
-#include "sightline/core/positions/station_alignment.h"
-#include "sightline/core/positions/station_correction.h"
-#include "sightline/core/positions/station_noise.h"
+#include "sightline/core/positions/stations/station_alignment.h"
+#include "sightline/core/positions/stations/station_correction.h"
+#include "sightline/core/positions/stations/station_noise.h"
 
 namespace sightline::core {
 

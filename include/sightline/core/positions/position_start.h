@@ -6,7 +6,7 @@
 #include "sightline/core/model/time.h"
 #include "sightline/core/positions/position_belief.h"
 #include "sightline/core/positions/rays.h"
-#include "sightline/core/positions/seen_stations.h"
+#include "sightline/core/positions/stations/seen_stations.h"
 
 namespace sightline::core {
 

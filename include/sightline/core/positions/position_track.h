@@ -10,7 +10,7 @@
 #include "sightline/core/model/refusal.h"
 #include "sightline/core/model/time.h"
 #include "sightline/core/model/track.h"
-#include "sightline/core/positions/station_alignment.h"
+#include "sightline/core/positions/stations/station_alignment.h"
 
 /// What the position tracker reports. Metric frame, m and s.
 namespace sightline::core {

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "sightline/ros/params/param_reader.h"
 #include "sightline/ros/recordings/replay.h"
 
 namespace sightline_ros {
@@ -14,6 +15,16 @@ inline bool isParameterTopic(const std::string& topic) {
 
 /// Topic (std_msgs/String) on which a replay says what it was told.
 constexpr const char* kReplayParameters = "/replay/parameters";
+
+/// The configuration of a replay; empty where there is none. Throws ParamError.
+ParamReader configurationOf(const ReplaySettings& settings);
+
+/// A section of the configuration with `choice` (empty = none) under `key`.
+ParamReader sectionOf(const ParamReader& config, const std::string& name, const std::string& key,
+                      const std::string& choice);
+
+/// The section of the fusion, which has an estimator, too.
+ParamReader fusionSectionOf(const ParamReader& config, const ReplaySettings& settings);
 
 /// What a replay was told, one "name: value" a line: the configuration file, every value in it by its full
 /// name ("local_tracker/gate_probability: 0.99"), and --estimator, --rule, --positions and --live where they

@@ -7,7 +7,7 @@
 
 #include <sightline/PositionTrackArray.h>
 
-#include "sightline/core/positions/position_smoother.h"
+#include "sightline/core/positions/smoothing/position_smoother.h"
 #include "sightline/ros/components/position_tracker_component.h"
 
 namespace sightline_ros {

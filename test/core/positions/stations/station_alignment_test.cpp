@@ -1,4 +1,4 @@
-#include "sightline/core/positions/station_alignment.h"
+#include "sightline/core/positions/stations/station_alignment.h"
 
 #include <cmath>
 #include <cstdint>

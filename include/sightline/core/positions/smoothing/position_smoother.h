@@ -5,7 +5,7 @@
 
 #include "sightline/core/model/time.h"
 #include "sightline/core/positions/position_estimator.h"
-#include "sightline/core/positions/position_smoothing.h"
+#include "sightline/core/positions/smoothing/position_smoothing.h"
 
 namespace sightline::core {
 

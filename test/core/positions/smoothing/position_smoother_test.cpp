@@ -1,4 +1,4 @@
-#include "sightline/core/positions/position_smoother.h"
+#include "sightline/core/positions/smoothing/position_smoother.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-#include "simulated_stations.h"
+#include "../simulated_stations.h"
 #include "support/times.h"
 
 namespace sightline::core {

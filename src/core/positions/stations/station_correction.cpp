@@ -1,4 +1,4 @@
-#include "sightline/core/positions/station_correction.h"
+#include "sightline/core/positions/stations/station_correction.h"
 
 #include <algorithm>
 #include <cmath>

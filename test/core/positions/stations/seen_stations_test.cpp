@@ -1,4 +1,4 @@
-#include "sightline/core/positions/seen_stations.h"
+#include "sightline/core/positions/stations/seen_stations.h"
 
 #include <cmath>
 #include <limits>

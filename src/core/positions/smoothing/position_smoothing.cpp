@@ -1,4 +1,4 @@
-#include "sightline/core/positions/position_smoothing.h"
+#include "sightline/core/positions/smoothing/position_smoothing.h"
 
 #include <algorithm>
 #include <cmath>

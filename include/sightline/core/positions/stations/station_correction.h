@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "sightline/core/positions/rays.h"
-#include "sightline/core/positions/station_alignment.h"
+#include "sightline/core/positions/stations/station_alignment.h"
 
 namespace sightline::core {
 

@@ -1,4 +1,4 @@
-#include "sightline/core/positions/position_smoother.h"
+#include "sightline/core/positions/smoothing/position_smoother.h"
 
 #include <algorithm>
 #include <cstddef>

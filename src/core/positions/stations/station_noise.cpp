@@ -1,4 +1,4 @@
-#include "sightline/core/positions/station_noise.h"
+#include "sightline/core/positions/stations/station_noise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "sightline/core/positions/station_noise.h"
+#include "sightline/core/positions/stations/station_noise.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -8,7 +8,7 @@
 
 #include "sightline/core/simulation/random_stream.h"
 
-#include "simulated_stations.h"
+#include "../simulated_stations.h"
 
 namespace sightline::core {
 namespace {
