@@ -97,7 +97,7 @@ class RandomStations {
     report.tracker = nameOf(station);
     report.time = stamp();
     report.pose = poseAt(station, report.time);
-    if (input_.chance(0.1)) report.view.emplace();
+    if (input_.chance(0.1)) report.views.resize(static_cast<std::size_t>(input_.between(1, 3)));
     const int copies = input_.chance(hazards_.floods) ? 200 : 1;
     for (int n = 0; n < copies; ++n) {
       for (std::size_t k = 0; k < targets_.size(); ++k) {
