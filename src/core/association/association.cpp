@@ -21,6 +21,7 @@ constexpr double kLeastMissed = 1e-12;       // probability: nothing is for cert
 constexpr double kLeastCosine = 0.1;         // of an elevation in a chart
 constexpr double kLeastGainOfBranch = -5.0;  // ln of how much less likely than a miss a second look may be
 constexpr double kChanges = 0.1;             // of young targets, those that change their rates at each look
+constexpr double kLeastVisibility = 0.01;    // of a target that has been sighted: it may be seen after all
 constexpr double kMostLogRatio = 40.0;       // what is beyond is as certain as can be
 
 /// The sightings in the gates of the tracks.
@@ -32,7 +33,12 @@ struct Candidates {
   std::vector<GatedPair> unlikely;  // of targets seen once: less likely than that they were missed
 };
 
-/// ln(P_D N(innovation; 0, S) / clutter density). The chart's coordinates shrink with the cosine of its
+/// Probability that the scan shows the target of a track, where one of its sightings may be that.
+double detection(const TrackPrediction& prediction) {  // (S-39)
+  return std::max(prediction.visibility, kLeastVisibility) * prediction.detection_probability;
+}
+
+/// ln(v P_D N(innovation; 0, S) / clutter density). The chart's coordinates shrink with the cosine of its
 /// elevation: what is per rad^2 there is 1 / cos of that per sr.
 // (S-31)
 double logRatio(const TrackPrediction& prediction, const Association& pair, double clutter_density) {
@@ -40,7 +46,7 @@ double logRatio(const TrackPrediction& prediction, const Association& pair, doub
   const double determinant = S(0, 0) * S(1, 1) - S(0, 1) * S(1, 0);
   const double area =
       kTwoPi * std::sqrt(determinant) * std::max(std::cos(prediction.state.angles().y()), kLeastCosine);
-  return std::log(prediction.detection_probability / (area * clutter_density)) - 0.5 * pair.distance_squared;
+  return std::log(detection(prediction) / (area * clutter_density)) - 0.5 * pair.distance_squared;
 }
 
 /// Whether a sighting is so far away that no gate computation is needed: its chord to the prediction is
@@ -102,7 +108,7 @@ class SecondLook {
       : prediction_(prediction) {
     const double area_scale = std::max(std::cos(prediction.state.angles().y()), kLeastCosine);
     log_clutter_ = std::log(clutter_density * area_scale);
-    least_ = log_clutter_ + std::log(missWeight(prediction) / prediction.detection_probability) +
+    least_ = log_clutter_ + std::log(missWeight(prediction) / detection(prediction)) +
              (with_branches ? kLeastGainOfBranch : 0.0);
     double largest_noise = 0.0;
     for (const Sighting& sighting : scan.sightings)
@@ -123,7 +129,7 @@ class SecondLook {
         angleDifference(prediction_.chart.coordinatesOf(sighting.direction), prediction_.state.angles());
     const double log_density = rate_prior::logDensityOfOffset(pair.innovation, R, h);
     if (!(log_density > least_)) return std::nullopt;
-    log_ratio = std::log(prediction_.detection_probability) + log_density - log_clutter_;
+    log_ratio = std::log(detection(prediction_)) + log_density - log_clutter_;
     const double spread = rate_prior::sigma(pair.innovation, R, h) * h;
     Gate gate;
     gate.covariance = R + spread * spread * Eigen::Matrix2d::Identity();

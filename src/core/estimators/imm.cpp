@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 namespace sightline::core {
 namespace {
@@ -26,6 +27,15 @@ void check(const ImmParams& params) {
         std::to_string(params.initial_rate_sigma) + " and " +
         std::to_string(params.initial_acceleration_sigma));
   }
+}
+
+/// The model that expects most of a target: of the highest order there is, that of the largest noise.
+int agilestOf(const std::vector<ImmModel>& models) {
+  const auto isCalmer = [](const ImmModel& a, const ImmModel& b) {
+    return std::tie(a.order, a.noise.density, a.noise.ratio) <
+           std::tie(b.order, b.noise.density, b.noise.ratio);
+  };
+  return static_cast<int>(std::max_element(models.begin(), models.end(), isCalmer) - models.begin());
 }
 
 Motion<4> withoutAcceleration(const Motion<6>& motion) {
@@ -130,6 +140,7 @@ void ImmEstimator::predict(double h, Motions& ahead) const {  // (S-25), (S-26),
   const Motion<6> all = mixture(chain_.probabilities(), motions_.data());
   const Motion<4> all_of_first_order = withoutAcceleration(all);
   const Eigen::Matrix2d unknown = unknownAcceleration(unit);
+  const int agilest = agilestOf(params_.models);
   for (int mode = 0; mode < modes(); ++mode) {
     const ImmModel& model = params_.models[static_cast<std::size_t>(mode)];
     if (model.order == 1) {
@@ -142,6 +153,8 @@ void ImmEstimator::predict(double h, Motions& ahead) const {  // (S-25), (S-26),
       moveOn(motion, h);
       addWhiteJerk(motion, model.noise.jerkFor(noise_.covariance(), unit), h);
     }
+    if (mode == agilest && model.noise.density == 0.0)  // (S-97)
+      addWhiteAcceleration(ahead[mode], passingAcceleration(all.mean.segment<2>(2), unit), h);
   }
 }
 

@@ -48,11 +48,13 @@ std::optional<AngularState> KalmanEstimator::stateAt(Time time) const {
 }
 
 Motion<4> KalmanEstimator::predicted(Time time) const {  // (S-17)
-  const double h = seconds(time - *time_);
+  const double h = seconds(time - *time_), unit = revisit_.unit(h);
   Motion<4> motion = motion_;
   moveOn(motion, h);
   const ProcessNoise process_noise{params_.process_noise, params_.process_noise_ratio};
-  addWhiteAcceleration(motion, process_noise.accelerationFor(noise_.covariance(), revisit_.unit(h)), h);
+  Eigen::Matrix2d density = process_noise.accelerationFor(noise_.covariance(), unit);
+  if (params_.process_noise == 0.0) density += passingAcceleration(motion_.mean.tail<2>(), unit);
+  addWhiteAcceleration(motion, density, h);
   motion.covariance = symmetric(motion.covariance);
   return motion;
 }

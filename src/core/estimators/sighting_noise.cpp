@@ -29,4 +29,9 @@ void SightingNoise::transform(const Eigen::Matrix2d& J) {
   information_ = inverse(covariance_);
 }
 
+Eigen::Matrix2d passingAcceleration(const Eigen::Vector2d& rates, double unit) {  // (S-97)
+  const double rate = rates.norm();
+  return (1.0 - 1.0 / unit) * rate * rate * rate * Eigen::Matrix2d::Identity();
+}
+
 }  // namespace sightline::core

@@ -136,6 +136,20 @@ TEST(Association, ATargetThatTheSensorDoesNotLookAtIsNotMissed) {
   EXPECT_EQ(associate(scanOf({0.0}), {out_of_view}, GateParams{}, 1.0).evidence[0], 1.0);
 }
 
+TEST(Association, ASensorThatMayNotSeeTheTargetIsLessLikelyToHaveShownIt) {
+  // P_D is 0.9 and the visibility a half: 0.45 N over the clutter against a miss of 0.55.
+  TrackPrediction unseen = prediction(1, 0.0);
+  unseen.visibility = 0.5;
+  const double N = 1.0 / (2.0 * 3.14159265358979 * 2.0 * kSigma * kSigma);
+  EXPECT_NEAR(associate(scanOf({0.0}), {unseen}, GateParams{}, 50.0).evidence[0], 0.55 + 0.45 * N / 50.0,
+              1e-6 * N);
+  const double least = 0.45 / 0.55 * N;  // density of clutter that explains it as well
+  EXPECT_EQ(associate(scanOf({0.0}), {unseen}, GateParams{}, 0.99 * least).sighting_of[0], 0);
+  EXPECT_EQ(associate(scanOf({0.0}), {unseen}, GateParams{}, 1.01 * least).sighting_of[0], -1);
+  unseen.visibility = 0.0;  // a field of view is not exact
+  EXPECT_EQ(associate(scanOf({0.0}), {unseen}, GateParams{}, 1.0).sighting_of[0], 0);
+}
+
 TEST(Association, WorksAcrossTheWrapAndAtAnElevationOf67Degrees) {
   TrackPrediction far = prediction(1, 0.0);
   far.chart = Chart::around(directionOf({3.1415, 0.0}));

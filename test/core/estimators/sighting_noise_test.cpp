@@ -62,5 +62,15 @@ TEST(ProcessNoise, IsAbsoluteWhereADensityIsGivenAndInProportionToTheSightingsOt
   EXPECT_TRUE((ProcessNoise{0.0, 50.0}.accelerationFor(round(0.1), 1.0).isApprox(round(0.1) * 50.0)));
 }
 
+TEST(PassingAcceleration, IsThatOfASensorThatLooksSeldomAndFreeOfTheScaleOfTime) {
+  const Eigen::Vector2d rates(0.03, -0.04);
+  EXPECT_EQ(passingAcceleration(rates, 1.0), Eigen::Matrix2d(Eigen::Matrix2d::Zero()));
+  // Over the same path a hundred times as slowly: density h^3 is an angle squared.
+  const double quick = passingAcceleration(rates, 1e3)(0, 0),
+               slow = passingAcceleration(0.01 * rates, 1e5)(0, 0);
+  EXPECT_NEAR(slow * 1e6, quick, 1e-2 * quick);
+  EXPECT_NEAR(quick, 0.05 * 0.05 * 0.05, 1e-2 * quick);
+}
+
 }  // namespace
 }  // namespace sightline::core

@@ -125,25 +125,36 @@ TEST_P(AnyPace, DirectionFindersOfTenDegreesHaveOneTrack) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(LocalTracker, AnyPace, testing::ValuesIn(estimatorNames()),
-                         [](const auto& info) { return info.param; });
-
-TEST(AnyPaceByDefault, APassOfASatelliteInTenSecondStepsHasOneTrack) {
+/// A pass of a satellite as it is looked at every ten seconds, from 0.35 rad of elevation to `highest` above
+/// that; `phase`: of a step, by which all looks come later.
+Input satellitePass(double highest, double phase) {
   Input pass;
   pass.sightings = 9;
   pass.interval = 10.3;
   pass.sigma.setConstant(5e-4);
   pass.noise_over_stated = 0.0;
-  pass.truth = [](double t) {
-    const double i = t / 10.3;
+  pass.truth = [highest, phase](double t) {
+    const double i = t / 10.3 + phase;
     return Eigen::Vector2d(wrapAngle(0.5 + 2.2 / (1.0 + std::exp(-(i - 4.0) / 2.0))),
-                           0.35 + 0.5 * std::exp(-(i - 4.0) * (i - 4.0) / 9.0));
+                           0.35 + highest * std::exp(-(i - 4.0) * (i - 4.0) / 9.0));
   };
-  const Outcome outcome = track(pass, "twbls", 1);
-  EXPECT_EQ(outcome.ids.size(), 1u);
-  EXPECT_GT(outcome.first, 0);
-  EXPECT_EQ(outcome.scans_without, 0);
+  return pass;
 }
+
+TEST_P(AnyPace, APassOfASatelliteInTenSecondStepsHasOneTrack) {
+  for (const double highest : {0.0, 0.5}) {
+    for (const double phase : {0.0, 1.0 / 3.0}) {
+      const Outcome outcome = track(satellitePass(highest, phase), GetParam(), 1);
+      EXPECT_EQ(outcome.ids.size(), 1u) << highest << ", " << phase;
+      EXPECT_GT(outcome.first, 0) << highest << ", " << phase;
+      EXPECT_LE(outcome.first, 7) << highest << ", " << phase;
+      EXPECT_EQ(outcome.scans_without, 0) << highest << ", " << phase;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(LocalTracker, AnyPace, testing::ValuesIn(estimatorNames()),
+                         [](const auto& info) { return info.param; });
 
 TEST(AnyPaceByDefault, AVarianceGivenForTheSigmaIsFoundOutAndTheTargetTracked) {
   Input wrong = steady(0.1, 0.002, 1e-6);

@@ -45,7 +45,8 @@ struct ImmParams {
 
 /// Interacting multiple models: constant-velocity and constant-acceleration Kalman filters of different
 /// process noise on the state (position, rate, acceleration), coupled in both channels, with one mode chain
-/// for the target. The unit of time is that of RevisitTime.
+/// for the target. The unit of time is that of RevisitTime. The most agile model, where its noise is given by
+/// a ratio, expects targets that pass by as well (passingAcceleration).
 ///
 /// A constant-velocity model does not know its acceleration. It is taken to be zero with the variance that
 /// the jerk of the mildest constant-acceleration model builds up in one unit of time: with that a

@@ -27,7 +27,8 @@ struct KalmanParams {
 };
 
 /// Kalman filter of constant angular velocity disturbed by white acceleration: four states, both channels
-/// coupled by the sightings' full covariance. The yardstick for the other estimators.
+/// coupled by the sightings' full covariance. The yardstick for the other estimators. Where the process noise
+/// is given by a ratio, that of a target that passes by is added (passingAcceleration).
 class KalmanEstimator final : public Estimator {
  public:
   /// Throws std::invalid_argument for a parameter out of range.

@@ -59,4 +59,11 @@ struct ProcessNoise {
   }
 };
 
+/// Spectral density of white acceleration in both channels, 2x2 [rad^2/s^3], of a target that passes by in
+/// space, however steadily: its angular rates change by a share of the rates themselves for every radian that
+/// it moves on. What a look every 30 ms follows as it comes is far beyond the sightings' noise in ten
+/// seconds: it counts for sensors whose unit of time (RevisitTime) is above one second. `rates` [rad/s],
+/// `unit` [s].
+Eigen::Matrix2d passingAcceleration(const Eigen::Vector2d& rates, double unit);
+
 }  // namespace sightline::core
