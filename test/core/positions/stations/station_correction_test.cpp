@@ -10,23 +10,18 @@
 
 #include "sightline/core/simulation/random_stream.h"
 
+#include "field_views.h"
+
 namespace sightline::core {
 namespace {
 
+using test::Fault;
+using test::kOrigins;
+using test::kRateSigma;
+using test::viewOf;
 using Vector = Eigen::Vector3d;
 
-constexpr double kSigma = 5e-4;      // [rad]
-constexpr double kRateSigma = 2e-3;  // [rad/s]
-const std::vector<Vector> kOrigins{{0, 0, 0}, {100, 0, 2}, {90, 110, 5}, {-30, 90, 1}};
-
-LocalView viewOf(std::size_t station, int target, const Ray& ray) {
-  return {{static_cast<int>(station), static_cast<std::uint32_t>(target + 1)}, ray, {}};
-}
-
-struct Fault {
-  double clock = 0.0;  // stamps later than they should be [s]
-  Vector turned = Vector::Zero();
-};
+constexpr double kSigma = test::kViewSigma;
 
 struct Target {
   Vector position, velocity;
