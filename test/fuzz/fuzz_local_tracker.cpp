@@ -33,7 +33,11 @@ void requireSoundTracklets(const core::TrackletReport& report) {
   for (const core::TrackTracklet& entry : report.tracklets) {
     const core::Sighting& sighting = entry.tracklet.sighting;
     require(entry.track != 0 && !entry.tracklet.sensor.empty(), "a tracklet of no track or sensor");
-    require(core::isUsable(sighting), "a tracklet that cannot be used");
+    std::ostringstream what;
+    what.precision(17);
+    what << "a tracklet that cannot be used: " << sighting.direction.transpose() << "; "
+         << sighting.covariance;
+    require(core::isUsable(sighting), what.str());
     require(entry.tracklet.sightings > 0.0, "a tracklet of no sightings");
   }
 }

@@ -129,7 +129,9 @@ void requireSound(const core::Track& track) {
 void requireSound(const std::vector<core::Track>& tracks) {
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     requireSound(tracks[i]);
-    require(i == 0 || tracks[i - 1].id < tracks[i].id, "ids do not ascend");
+    require(i == 0 || tracks[i - 1].id < tracks[i].id,
+            "ids do not ascend: " + std::to_string(i > 0 ? tracks[i - 1].id : 0) + ", " +
+                std::to_string(tracks[i].id));
   }
 }
 

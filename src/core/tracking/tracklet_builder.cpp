@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/core/model/usable_sighting.h"
+
 namespace sightline::core {
 namespace {
 
@@ -76,8 +78,10 @@ TrackletReport TrackletBuilder::report() {
   report.time = *newest_;
   report.since = reported_;
   for (const auto& [key, sightings] : pending_) {
-    for (Tracklet& tracklet : compress(sightings, params_.compression))
+    for (Tracklet& tracklet : compress(sightings, params_.compression)) {
+      if (!isUsable(tracklet.sighting)) continue;  // by the noise found it is as wide as the sphere
       report.tracklets.push_back({key.first, std::move(tracklet)});
+    }
   }
   pending_.clear();
   waiting_ = 0;

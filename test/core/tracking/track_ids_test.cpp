@@ -36,6 +36,16 @@ TEST(TrackIds, TrackThatStartsAgainFromItsSightingHasItsIdAndNoOtherHas) {
   EXPECT_EQ(ids.idOf(origin(1.0, 1)), 6u);
 }
 
+TEST(TrackIds, TracksFromScansOfOneStampKeepDifferentIds) {
+  TrackIds ids;
+  const std::uint32_t first = ids.idOf(origin(1.0, 0)), second = ids.idOf(origin(1.0, 0));
+  ASSERT_NE(first, second);
+  ids.remember(std::vector<Started>{{origin(1.0, 0), first}, {origin(1.0, 0), second}});
+  EXPECT_EQ(ids.idOf(origin(1.0, 0)), first);
+  EXPECT_EQ(ids.idOf(origin(1.0, 0)), second);
+  EXPECT_EQ(ids.idOf(origin(1.0, 0)), 3u);
+}
+
 TEST(TrackIds, GoOnBehindOneThatIsSkipped) {
   TrackIds ids;
   ids.skip(7);

@@ -140,6 +140,18 @@ TEST(TrackletBuilder, NoiseScaleOfTheTrackerIsInTheCovariance) {
   EXPECT_TRUE(builder.onScan(scan, answer)->tracklets.empty()) << "the sensor is excluded";
 }
 
+TEST(TrackletBuilder, WhatIsAsWideAsTheSphereByTheNoiseFoundIsNotReported) {
+  const auto reported = [](double noise_scale) {
+    TrackletBuilder builder({});
+    const Scan scan = scanOf(1.0);
+    ScanReport answer = tracked(scan);
+    answer.use.noise_scale = noise_scale;
+    return builder.onScan(scan, answer)->tracklets.size();
+  };
+  EXPECT_EQ(reported(1e6), 1u);  // a sigma of 1 rad
+  EXPECT_EQ(reported(1e8), 0u);
+}
+
 TEST(TrackletBuilder, SensorsOfOneTrackStayApart) {
   TrackletParams params;
   params.interval = 1.0;

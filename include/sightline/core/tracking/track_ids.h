@@ -29,7 +29,10 @@ class TrackIds {
   std::uint32_t idOf(const TrackOrigin& origin) {
     const auto found = std::find_if(undone_.begin(), undone_.end(),
                                     [&](const auto& track) { return track.first == origin; });
-    return found == undone_.end() ? next_++ : found->second;
+    if (found == undone_.end()) return next_++;
+    const std::uint32_t id = found->second;
+    undone_.erase(found);  // scans whose stamps repeat start several tracks from the same origin
+    return id;
   }
 
   /// From here on no id up to this one is given to a new track.
