@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bond/Status.h>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -9,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <set>
 #include <signal.h>
 #include <string>
 #include <utility>
@@ -55,8 +57,23 @@ class Chaos : public testing::Test {
     ASSERT_TRUE(until([this] {
       return west_.getNumSubscribers() == forms_.size() && east_.getNumSubscribers() == forms_.size();
     })) << "a tracker is missing";
+    if (is_long_) expectBonds();  // loaders that were held up may be loading their nodelets again
     settleFromNow();
     ASSERT_TRUE(until([this] { return areSettled(); })) << "the target is not found at all; " << describe();
+  }
+
+  /// Waits until the manager and the loaders of its nodelets hear of each other (bond): a loader whose
+  /// manager ends before that, while it loads, may wait for an answer for good (doc/sensors.md).
+  void expectBonds() {
+    if (forms_.back() != "nodelets") return;
+    std::map<std::string, std::set<std::string>> ends;  // of each bond
+    const ros::Subscriber bonds = nh_.subscribe<bond::Status>(
+        "/nodelets/manager/bond", 100,
+        [&](const bond::Status::ConstPtr& status) { ends[status->id].insert(status->instance_id); });
+    EXPECT_TRUE(until([&] {
+      return std::count_if(ends.begin(), ends.end(), [](const auto& it) { return it.second.size() == 2; }) >=
+             3;
+    })) << "the loaders have no bonds with the manager";
   }
 
   /// Plays the sensors until the condition holds.

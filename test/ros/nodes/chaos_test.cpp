@@ -60,20 +60,6 @@ class ChaosOfNodes : public Chaos {
     watches_.resize(1);
   }
 
-  /// Waits until the manager and the loaders of its nodelets hear of each other (bond): a loader whose
-  /// manager ends before that, while it loads, may wait for an answer for good (doc/sensors.md).
-  void expectBonds() {
-    if (forms_.back() != "nodelets") return;
-    std::map<std::string, std::set<std::string>> ends;  // of each bond
-    const ros::Subscriber bonds = nh_.subscribe<bond::Status>(
-        "/nodelets/manager/bond", 100,
-        [&](const bond::Status::ConstPtr& status) { ends[status->id].insert(status->instance_id); });
-    EXPECT_TRUE(until([&] {
-      return std::count_if(ends.begin(), ends.end(), [](const auto& it) { return it.second.size() == 2; }) >=
-             3;
-    })) << "the loaders have no bonds with the manager";
-  }
-
   void killAndExpectBack(const Nodes& nodes, Id id, Loss loss) {
     expectBonds();
     begin();
