@@ -18,6 +18,13 @@ Estimate<4> estimateOf(AngularState state, const Eigen::Vector3d& acceleration, 
   return {state.mean, state.covariance};
 }
 
+/// What estimates say together, as if independent; nullopt when there are none.
+std::optional<Estimate<4>> together(const std::vector<Estimate<4>>& estimates) {
+  const auto fused = weightedCovariance(estimates);
+  if (!fused) return std::nullopt;
+  return Estimate<4>{fused->mean, fused->covariance};
+}
+
 }  // namespace
 
 double distanceSquared(const Estimate<4>& a, const Estimate<4>& b, double registration_sigma) {
@@ -103,9 +110,7 @@ std::optional<Estimate<4>> GlobalTrack::opinionAt(const std::vector<std::size_t>
                                                   Time past) const {
   std::vector<Estimate<4>> estimates;
   for (const std::size_t number : supporters) estimates.push_back(estimateAt(number, past));
-  const auto fused = weightedCovariance(estimates);
-  if (!fused) return std::nullopt;
-  return Estimate<4>{fused->mean, fused->covariance};
+  return together(estimates);
 }
 
 Estimate<4> GlobalTrack::estimateOf(std::size_t supporter) const {
@@ -256,9 +261,9 @@ std::vector<std::size_t> GlobalTrack::leaveOutContradictions(const TrackerMisali
 Estimate<4> GlobalTrack::opinion() const {
   std::vector<Estimate<4>> estimates;
   for (const std::size_t number : usable()) estimates.push_back(estimateOf(number));
-  const auto fused = weightedCovariance(estimates);
-  return fused ? Estimate<4>{fused->mean, fused->covariance}
-               : sightline::core::estimateOf(state_, acceleration_, seconds(time_ - last_fusion_), chart_);
+  const std::optional<Estimate<4>> all = together(estimates);
+  return all ? *all
+             : sightline::core::estimateOf(state_, acceleration_, seconds(time_ - last_fusion_), chart_);
 }
 
 std::optional<Estimate<4>> GlobalTrack::opinionAt(Time past) const {
@@ -281,9 +286,7 @@ std::optional<Estimate<4>> GlobalTrack::opinionWithout(const std::string& tracke
   for (const std::size_t number : usable()) {
     if (supporters_[number].key.tracker != tracker) estimates.push_back(estimateOf(number));
   }
-  const auto fused = weightedCovariance(estimates);
-  if (!fused) return std::nullopt;
-  return Estimate<4>{fused->mean, fused->covariance};
+  return together(estimates);
 }
 
 void GlobalTrack::setFused(const std::vector<std::size_t>& contributors, const AngularState& fused) {

@@ -95,7 +95,7 @@ class GlobalTrack {
   Estimate<4> opinion() const;
 
   /// What all usable supporters have said together of `past`, as near to that as each was reported, in this
-  /// chart; nullopt when there are none, or it is longer ago than is remembered.
+  /// chart; nullopt when there are none.
   std::optional<Estimate<4>> opinionAt(Time past) const;
 
   /// The newest report of a usable supporter; nullopt when there are none.

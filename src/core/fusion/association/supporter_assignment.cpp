@@ -30,7 +30,7 @@ Row rowOf(const LocalKey& key, const LocalTrack& local, Time now) {
   const AngularState& state = local.track.state;
   const double age = seconds(now - local.time);
   row.direction = directionOf(state.angles() + age * state.mean.tail<2>());
-  const double turned = 0.5 * age * age * local.acceleration.value().norm();
+  const double turned = local.acceleration.offsetAfter(age);
   row.variance = state.anglesCovariance().trace() + turned * turned;
   return row;
 }

@@ -22,6 +22,9 @@ class ShownAcceleration {
   /// A vector in the tracking frame, tangent to the sphere [rad/s^2]; zero where none is shown.
   const Eigen::Vector3d& value() const { return value_; }
 
+  /// By how much it takes a target off its straight path in `age` [s]: an angle [rad].
+  double offsetAfter(double age) const { return 0.5 * age * age * value_.norm(); }
+
  private:
   Time first_{};
   double reports_ = 0.0;
