@@ -81,7 +81,12 @@ void CsvTable::readHeader(const std::string& line, const std::vector<std::string
                           const std::vector<std::string>& optional) {
   const std::string byte_order_mark = "\xEF\xBB\xBF";
   const bool marked = line.compare(0, byte_order_mark.size(), byte_order_mark) == 0;
-  for (const std::string& column : fieldsOf(marked ? line.substr(byte_order_mark.size()) : line)) {
+  const std::vector<std::string> columns = fieldsOf(marked ? line.substr(byte_order_mark.size()) : line);
+  if (columns.size() == 1 && columns[0].find_first_of(";\t|") != std::string::npos) {
+    throw errorAt(1, "the fields of the header \"" + columns[0] +
+                         "\" are not between commas: import_sightings reads sightings between others");
+  }
+  for (const std::string& column : columns) {
     if (!isAmong(required, column) && !isAmong(optional, column)) {
       std::vector<std::string> known = required;
       known.insert(known.end(), optional.begin(), optional.end());

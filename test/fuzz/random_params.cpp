@@ -108,6 +108,8 @@ void turn(Dial& dial, core::EstimatorParams& params) {
   dial.size(params.noga_consistent.dwell, 1e-6, 1e6);
   dial.share(params.noga_consistent.outlier_share, 0.0, 0.999);
   dial.size(params.noga_consistent.outlier_width, 1e-6, 1e6);
+  dial.share(params.noga_consistent.least_drawn, 0.0, 0.999);
+  dial.share(params.noga_consistent.left_out, 0.0, 0.999);
   params.noga_consistent.noise = params.twbls_consistent.noise;
 
   dial.size(params.kalman.process_noise, 0.0, 1e6);

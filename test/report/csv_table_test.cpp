@@ -47,6 +47,10 @@ TEST(CsvTable, AHeaderWithMistakesIsRefused) {
   EXPECT_NE(complaintOf<CsvError>([] { table(""); }).find("expected a header line: time,x"),
             std::string::npos);
   EXPECT_NE(complaintOf<CsvError>([] { table("time\n"); }).find("\"x\" is missing"), std::string::npos);
+  for (const char* separated : {"time;x\n", "time\tx\n", "time|x\n"}) {
+    EXPECT_NE(complaintOf<CsvError>([&] { table(separated); }).find("not between commas"), std::string::npos)
+        << separated;
+  }
   EXPECT_NE(complaintOf<CsvError>([] { table("time,x,y\n"); }).find("unknown column \"y\""),
             std::string::npos);
   EXPECT_NE(complaintOf<CsvError>([] { table("time,x,x\n"); }).find("stands twice"), std::string::npos);

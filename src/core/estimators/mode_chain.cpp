@@ -11,7 +11,10 @@ constexpr double kFloor = 1e-12;  // a mode of less could not come back
 
 }  // namespace
 
-ModeChain::ModeChain(const ModeArray& attraction, double dwell) : dwell_(dwell), attraction_(attraction) {
+ModeChain::ModeChain(const ModeArray& attraction, double dwell, double least_drawn)
+    : dwell_(dwell), least_drawn_(least_drawn), attraction_(attraction) {
+  if (!(least_drawn >= 0.0 && least_drawn < 1.0))
+    throw std::invalid_argument("ModeChain: least_drawn in [0, 1) is required");
   if (attraction.size() < 1 || !(attraction.minCoeff() > 0.0) || !attraction.isFinite().all() ||
       !(dwell > 0.0)) {
     throw std::invalid_argument(
@@ -41,13 +44,29 @@ ModeChain ModeChain::after(double h) const {
 }
 
 ModeArray ModeChain::ownShares(double h) const {  // (S-26)
-  return (1.0 - drawnProbability(h)) * probabilities_ / predicted(h);
+  const ModeArray own = (1.0 - drawnProbability(h)) * probabilities_ / predicted(h);
+  if (least_drawn_ == 0.0) return own;
+  return (1.0 - own < least_drawn_).select(1.0, own);
 }
 
 void ModeChain::update(double h, const ModeArray& log_likelihoods) {  // (S-27)
   probabilities_ = predicted(h) * (log_likelihoods - log_likelihoods.maxCoeff()).exp();
   probabilities_ = (probabilities_ / probabilities_.sum()).max(kFloor);
   probabilities_ /= probabilities_.sum();
+}
+
+ModeArray likelyShares(const ModeArray& probabilities, double left_out) {  // (S-6)
+  ModeArray likely = probabilities;
+  if (left_out == 0.0) return likely;
+  double rest = left_out;
+  while (true) {
+    Eigen::Index least = 0;
+    const double probability = (likely > 0.0).select(likely, 2.0).minCoeff(&least);
+    if (probability > rest) break;
+    rest -= probability;
+    likely(least) = 0.0;
+  }
+  return likely / likely.sum();
 }
 
 }  // namespace sightline::core

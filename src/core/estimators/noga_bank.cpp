@@ -1,6 +1,7 @@
 #include "sightline/core/estimators/noga_bank.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sightline::core {
 namespace {
@@ -201,6 +202,16 @@ void ResponseBank::step(const std::vector<ResponseModel>& models, double h, doub
       advance(block.channel[c], transitions[c], squaredAmplitude(block, c, amplitude));
     if (is_coupled) advanceCross(block, transitions[0], transitions[1]);
     if (unit != 1.0) scaleTime(block, 1.0 / unit, is_coupled);
+  }
+}
+
+void ResponseBank::addWhiteAcceleration(int model, double density, double h) {  // (S-17)
+  const double age = std::abs(h);
+  const int lane = model % kLanes;
+  for (Channel& channel : blocks_[static_cast<std::size_t>(model / kLanes)].channel) {
+    channel.covariance(0, 0)(lane) += density * age * age * age / 3.0;
+    channel.covariance(0, 1)(lane) += density * h * age / 2.0;
+    channel.covariance(1, 1)(lane) += density * age;
   }
 }
 

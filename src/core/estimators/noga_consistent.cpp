@@ -22,12 +22,11 @@ void check(const NogaConsistentParams& params) {
   }
   for (const ResponseModel& model : params.models) check(model);
   if (!(params.amplitude >= 0.0) || !(params.initial_rate_sigma >= 0.0) ||
-      !(params.outlier_share >= 0.0 && params.outlier_share < 1.0) || !(params.outlier_width > 0.0)) {
+      !(params.outlier_share >= 0.0 && params.outlier_share < 1.0) || !(params.outlier_width > 0.0) ||
+      !(params.left_out >= 0.0 && params.left_out < 1.0)) {
     throw std::invalid_argument(
-        "NogaConsistentParams: amplitude >= 0 rad, initial_rate_sigma >= 0 rad/s, outlier_share in [0, 1) "
-        "and "
-        "outlier_width > 0 are "
-        "required");
+        "NogaConsistentParams: amplitude >= 0 rad, initial_rate_sigma >= 0 rad/s, outlier_share and left_out "
+        "in [0, 1) and outlier_width > 0 are required");
   }
 }
 
@@ -57,13 +56,14 @@ NogaConsistentParams bankOfSection43() {
   params.amplitude = 1.0;
   params.initial_rate_sigma = 2.0;
   params.dwell = 30.0;
+  params.least_drawn = params.left_out = 0.0;
   params.noise.enabled = false;
   return params;
 }
 
 NogaConsistentEstimator::NogaConsistentEstimator(const NogaConsistentParams& params)
     : params_(params),
-      chain_(attractions(params), params.dwell),
+      chain_(attractions(params), params.dwell, params.least_drawn),
       bank_(modes()),
       rate_(params.initial_rate_sigma),
       noise_learning_(learningOf(params)) {}
@@ -96,7 +96,10 @@ void NogaConsistentEstimator::take(const Measurement& measurement, std::optional
       setUnknown(h);
       ahead_.forget();
     }
-    if (step) *step = BankStep{bank_, chain_, noise_learning_, amplitude(), h, revisit_.unit(h), is_coupled_};
+    if (step) {
+      *step =
+          BankStep{bank_, chain_, noise_learning_, amplitude(), h, revisit_.unit(h), is_coupled_, passing(h)};
+    }
     noise_learning_.next(units);
     bank_ = expected(h);  // 4.3 (i), (ii)
     if (measurement.is_certain) sighting_noise_.add(R, measurement.sightings);
@@ -164,7 +167,16 @@ const ResponseBank& NogaConsistentEstimator::expected(double h) const {  // (S-2
   ResponseBank& ahead = ahead_.begin(h, bank_);
   ahead.interact(chain_.ownShares(units), bank_.mixture(chain_.probabilities(), is_coupled_), is_coupled_);
   ahead.step(params_.models, units, unit, amplitude(), is_coupled_);
+  const double density = passing(h);
+  if (density > 0.0) ahead.addWhiteAcceleration(agilestStraight(params_.models), density, units * unit);
   return ahead;
+}
+
+/// Density of the acceleration of a target that passes by, for a prediction `h` seconds ahead [rad^2/s^3].
+double NogaConsistentEstimator::passing(double h) const {  // (S-97)
+  const double unit = revisit_.unit(h);
+  if (params_.amplitude > 0.0 || unit == 1.0 || agilestStraight(params_.models) < 0) return 0.0;
+  return passingAcceleration(bank_.motion(chain_.probabilities()).rates(), unit)(0, 0);
 }
 
 Eigen::Vector2d NogaConsistentEstimator::noiseScale() const {
@@ -189,8 +201,8 @@ std::optional<AngularState> NogaConsistentEstimator::stateAt(Time time) const {
     const AngularState first = bank_.motion(chain_.probabilities());
     return rate_.stateAfter(h, first.angles(), first.anglesCovariance());
   }
-  if (h == 0.0) return bank_.motion(chain_.probabilities());
-  return expected(h).motion(chain_.predicted(h / revisit_.unit(h)));
+  if (h == 0.0) return bank_.motion(likelyShares(chain_.probabilities(), params_.left_out));
+  return expected(h).motion(likelyShares(chain_.predicted(h / revisit_.unit(h)), params_.left_out));
 }
 
 std::vector<Hypothesis> NogaConsistentEstimator::hypothesesAt(Time time) const {
@@ -200,7 +212,7 @@ std::vector<Hypothesis> NogaConsistentEstimator::hypothesesAt(Time time) const {
   std::array<Motion<4>, kMaxModes> motions;
   for (int mode = 0; mode < modes(); ++mode)
     motions[static_cast<std::size_t>(mode)] = motionOf(ahead.belief(mode));
-  return hypothesesOf(chain_.predicted(h / revisit_.unit(h)), motions.data());
+  return hypothesesOf(likelyShares(chain_.predicted(h / revisit_.unit(h)), params_.left_out), motions.data());
 }
 
 void NogaConsistentEstimator::rotate(const Eigen::Matrix3d& R_new_old) {

@@ -32,18 +32,29 @@ Transition straightStep(double h, double q) {
 }  // namespace
 
 std::vector<ResponseModel> defaultResponseModels() {
-  return {{ResponseModel::Kind::straight, 1e-4},
-          {ResponseModel::Kind::straight, 0.01},
-          {ResponseModel::Kind::straight, 0.05},
-          {ResponseModel::Kind::straight, 0.25},
+  return {{ResponseModel::Kind::straight, 1e-8, 0.0, 0.0, 1.0, 0.4},
+          {ResponseModel::Kind::straight, 1e-5, 0.0, 0.0, 1.0, 0.3},
+          {ResponseModel::Kind::straight, 1e-3, 0.0, 0.0, 1.0, 0.5},
+          {ResponseModel::Kind::straight, 0.05, 0.0, 0.0, 1.0, 1.5},
+          {ResponseModel::Kind::straight, 0.25, 0.0, 0.0, 1.0, 1.5},
           {ResponseModel::Kind::straight, 1.25},
           {ResponseModel::Kind::straight, 30.0, 0.0, 0.0, 1.0, 0.2},
           {ResponseModel::Kind::harmonic, 1e-3, 1e-2, 0.0, 1.0, 4.0},
           {ResponseModel::Kind::harmonic, 0.3, 1.0, 0.0, 1.0, 0.3},
           {ResponseModel::Kind::fixed_harmonic, 1.0, 0.0, 8.0, 1.0, 0.05},
-          {ResponseModel::Kind::fading, 0.3, 0.0, 0.0, 2.0},
           {ResponseModel::Kind::fading, 10.0, 0.0, 0.0, 2.0},
           {ResponseModel::Kind::fading, 1000.0, 0.0, 0.0, 2.0, 0.5}};
+}
+
+int agilestStraight(const std::vector<ResponseModel>& models) {
+  int agilest = -1;
+  double most = 0.0;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (models[i].kind != ResponseModel::Kind::straight || models[i].q < most) continue;
+    most = models[i].q;
+    agilest = static_cast<int>(i);
+  }
+  return agilest;
 }
 
 Motion<4> motionOf(const ResponseBelief& belief) {

@@ -48,12 +48,20 @@ std::optional<double> LoneSightings::take(const Scan& scan) {  // (S-96)
   last_ = {last_[1], look};
   ++looks_;
   if (looks_ < kNeeded + 2) return std::nullopt;
+  const auto factor = suspicion();
+  if (factor) looks_ = 0;
+  return factor;
+}
+
+std::optional<double> LoneSightings::suspicion() const {  // (S-96)
+  const int compared = std::min(looks_ - 2, kNeeded);
+  if (compared < 1) return std::nullopt;
   std::array<double, kNeeded> sorted = distances_squared_;
-  std::nth_element(sorted.begin(), sorted.begin() + kNeeded / 2, sorted.end());
-  const double factor = sorted[kNeeded / 2] / kMedian;
-  const double sigma = std::sqrt(factor * look.covariance.trace() / 2.0);
+  const auto middle = sorted.begin() + compared / 2;
+  std::nth_element(sorted.begin(), middle, sorted.begin() + compared);
+  const double factor = *middle / kMedian;
+  const double sigma = std::sqrt(factor * last_[1].covariance.trace() / 2.0);
   if (!std::isfinite(factor) || factor < kFarOff || sigma > kLargestScatter) return std::nullopt;
-  looks_ = 0;
   return factor;
 }
 

@@ -33,9 +33,20 @@ void NoiseCalibration::enable(bool enabled) {
   if (!enabled) sensors_.clear();
 }
 
-double NoiseCalibration::scale(const std::string& sensor) const {
+/// Null when nothing is known of it.
+const CalibratedSensor* NoiseCalibration::find(const std::string& sensor) const {
   const auto place = std::lower_bound(sensors_.begin(), sensors_.end(), sensor, byName);
-  return place != sensors_.end() && place->sensor == sensor ? place->scale : 1.0;
+  return place != sensors_.end() && place->sensor == sensor ? &*place : nullptr;
+}
+
+double NoiseCalibration::scale(const std::string& sensor) const {
+  const CalibratedSensor* known = find(sensor);
+  return known ? known->scale : 1.0;
+}
+
+double NoiseCalibration::suspectedScale(const std::string& sensor) const {
+  const CalibratedSensor* known = find(sensor);
+  return known ? std::max(known->scale, std::min(known->lone.suspicion().value_or(1.0), kMostOff)) : 1.0;
 }
 
 /// The sensor's, made where there is none yet; null when there are too many.
@@ -50,12 +61,13 @@ CalibratedSensor* NoiseCalibration::entry(const std::string& sensor) {
 }
 
 // (S-96)
-void NoiseCalibration::takeUntracked(const Scan& scan) {
-  if (!params_.enabled) return;
+bool NoiseCalibration::takeUntracked(const Scan& scan) {
+  if (!params_.enabled) return false;
   CalibratedSensor* known = entry(scan.sensor);
-  if (known == nullptr) return;
+  if (known == nullptr) return false;
   const auto factor = known->lone.take(scan);
   if (factor) known->scale = known->start = std::min(*factor, kMostOff);
+  return factor.has_value();
 }
 
 void NoiseCalibration::take(const std::string& sensor, const Eigen::Vector2d& innovation_squared,

@@ -81,7 +81,9 @@ void setBoth(ResponseBelief& belief, const Normal<8>& both) {
 /// way back from there.
 class WayBack {
  public:
-  WayBack(const ResponseModel& model, const BankStep& step) : model_(&model), step_(&step) {}
+  /// `passing`: density of the model's further white acceleration [rad^2/s^3].
+  WayBack(const ResponseModel& model, const BankStep& step, double passing)
+      : model_(&model), step_(&step), passing_(passing) {}
 
   /// `before`: what the model believed at the beginning, after the models had interacted; `smoothed`: what it
   /// believes at the end, by all sightings. Returns whether there is a way back.
@@ -139,6 +141,11 @@ class WayBack {
     step.F = transition_.F;
     step.Q = transition_.Q;
     step.Q.topLeftCorner<3, 3>() *= step_->amplitude.squared(c) * noise;
+    if (passing_ > 0.0) {  // (S-17), per unit of time
+      const double h = step_->units(), density = passing_ * step_->unit * step_->unit * step_->unit;
+      step.Q.topLeftCorner<2, 2>() +=
+          (Eigen::Matrix2d() << h * h * h / 3.0, h * h / 2.0, h * h / 2.0, h).finished() * density;
+    }
     step.mean.head<3>().noalias() = step.F.topLeftCorner<3, 3>() * mean.head<3>();
     step.mean(3) = transition_.mean(3);
     return step;
@@ -171,6 +178,7 @@ class WayBack {
 
   const ResponseModel* model_;
   const BankStep* step_;
+  double passing_;
   mutable Transition transition_;
   mutable bool is_known_ = false;
   Later<4> one_[2];
@@ -196,6 +204,7 @@ SmoothedBank nothingLater(const NogaConsistentEstimator& estimator) {
   }
   smoothed.noise_weight = estimator.noiseLearning().weight();
   smoothed.is_coupled = estimator.isCoupled();
+  smoothed.left_out = estimator.leftOut();
   return smoothed;
 }
 
@@ -209,6 +218,7 @@ SmoothedBank smoothedBack(const BankStep& step, const std::vector<ResponseModel>
   back.bank = step.from;
   back.weights = ModeArray::Zero(count);
   back.is_coupled = step.is_coupled;
+  back.left_out = later.left_out;
   back.noise_weight = step.learning.weight();
   const NoiseLearning learning = learningAfter(step);
   const double faded = learning.faded(step.units());
@@ -218,6 +228,7 @@ SmoothedBank smoothedBack(const BankStep& step, const std::vector<ResponseModel>
   back.later_weight =
       faded * (later.later_weight + (learning.isLearning() ? NoiseLearning::weightOfOne() : 0.0));
 
+  const int agilest = agilestStraight(models);
   // Of each model that is in force at the end: whether it had been before, or was drawn within the step.
   double drawn = 0.0, most = 0.0;
   std::optional<WayBack> way_of_drawn;
@@ -231,7 +242,7 @@ SmoothedBank smoothedBack(const BankStep& step, const std::vector<ResponseModel>
       const double seen = learning.isLearning() ? learning.evidence(mixed.noise(c), later.noise[c](j)) : 0.0;
       evidence[c](j) = faded * (later.later_noise[c](j) + seen);
     }
-    WayBack way(models[static_cast<std::size_t>(j)], step);
+    WayBack way(models[static_cast<std::size_t>(j)], step, model == agilest ? step.passing : 0.0);
     double stays = 0.0;
     if (way.find(mixed, later.bank.belief(model))) {
       const double log_own = way.take(belief);
@@ -286,6 +297,7 @@ BankStep remainderOf(const BankStep& step, const std::vector<ResponseModel>& mod
   rest.from.interact(step.chain.ownShares(units),
                      step.from.mixture(step.chain.probabilities(), step.is_coupled), step.is_coupled);
   rest.from.step(models, units, step.unit, step.amplitude, step.is_coupled);
+  if (step.passing > 0.0) rest.from.addWhiteAcceleration(agilestStraight(models), step.passing, h);
   rest.chain = step.chain.after(units);
   rest.learning.fade(units);
   rest.h = step.h - h;
@@ -314,16 +326,17 @@ Eigen::Vector2d noiseOf(const SmoothedBank& smoothed) {
 }
 
 AngularState motionOf(const SmoothedBank& smoothed) {
-  if (smoothed.later_weight == 0.0) return smoothed.bank.motion(smoothed.weights);
+  const ModeArray weights = likelyShares(smoothed.weights, smoothed.left_out);
+  if (smoothed.later_weight == 0.0) return smoothed.bank.motion(weights);
   ResponseBank bank = smoothed.bank;
   for (Eigen::Index model = 0; model < smoothed.weights.size(); ++model) {
-    if (smoothed.weights(model) == 0.0) continue;
+    if (weights(model) == 0.0) continue;
     ResponseBelief belief = bank.belief(static_cast<int>(model));
     const Eigen::Vector2d growth = noiseOf(smoothed, model).cwiseQuotient(belief.noise).cwiseSqrt();
     scaleErrors(belief, growth, smoothed.is_coupled);
     bank.setBelief(static_cast<int>(model), belief);
   }
-  return bank.motion(smoothed.weights);
+  return bank.motion(weights);
 }
 
 void turn(SmoothedBank& smoothed, const Eigen::Matrix3d& R_new_old) {

@@ -14,7 +14,7 @@ NogaConsistentParams bankWithout(double initial_rate_sigma) {
   NogaConsistentParams bank;
   bank.models.clear();
   bank.initial_rate_sigma = initial_rate_sigma;
-  bank.outlier_share = 0.0;
+  bank.outlier_share = bank.least_drawn = bank.left_out = 0.0;
   bank.noise.enabled = false;
   return bank;
 }

@@ -179,11 +179,13 @@ void LiveTrack::noteSource(const Scan& scan, const Eigen::Vector2d& innovation) 
 }
 
 // (S-43)
-double LiveTrack::logDensityOfReturn(const LiveTrack& fresh, Time time) const {
+double LiveTrack::logDensityOfReturn(const LiveTrack& fresh, Time time, double noise_scale) const {
   const AngularState its = estimator_.chart().fromTracking(fresh.estimator_.stateAt(time));
   LogSum density;
-  for (const Hypothesis& mine : estimator_.hypothesesInChart(time))
+  for (Hypothesis& mine : estimator_.hypothesesInChart(time)) {
+    mine.state.covariance *= growth(noise_scale);
     density.add(std::log(mine.probability) + logDensityWithJumps(mine.state, its));
+  }
   return std::log(kReturns) + density.value();
 }
 
@@ -226,11 +228,15 @@ double LiveTrack::spread(const AngularState& state, bool adapt_gate) const {
   return S.diagonal().cwiseQuotient(R.diagonal().cwiseMax(stated)).cwiseSqrt().maxCoeff();
 }
 
-bool LiveTrack::isOver(Time time, const LifecycleParams& params, bool adapt_gate) const {
+bool LiveTrack::isOver(Time time, const LifecycleParams& params, bool adapt_gate,
+                       const NoiseCalibration& calibration) const {
   if (lifecycle_.isOver(time, params)) return true;
   const AngularState& state = estimator_.stateInChart(time);
   if (!isUsable(state)) return true;
-  return lifecycle_.isEstablished() && spread(state, adapt_gate) > params.max_spread * lifecycle_.unit();
+  if (!lifecycle_.isEstablished()) return false;
+  const double widest = params.max_spread * lifecycle_.unit(), width = spread(state, adapt_gate);
+  return width > widest &&
+         width > widest * std::sqrt(growth(calibration.suspectedScale(origin_.sensor)));  // (S-96)
 }
 
 Track LiveTrack::report(Time time, const GateParams& gate, bool adapt_gate,

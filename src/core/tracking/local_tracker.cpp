@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/core/tracking/new_beginning.h"
 #include "sightline/core/tracking/published_tracks.h"
 #include "sightline/core/tracking/second_looks.h"
 #include "sightline/core/tracking/usable_sightings.h"
@@ -183,9 +184,9 @@ std::vector<Association> LocalTracker::updateTracks(AssociatedScan& associated) 
   deleteTracks();
   const bool is_tracking =
       std::any_of(state_.tracks.begin(), state_.tracks.end(), [](const LiveTrack& track) {
-        return !track.lifecycle().isTentative() && track.lifecycle().hits() >= kHitsOfTracking;
+        return !track.lifecycle().isTentative() && track.lifecycle().hitsSinceFound() >= kHitsOfTracking;
       });
-  if (!is_tracking) state_.calibration.takeUntracked(scans_[scans_.next()].item);
+  if (!is_tracking && state_.calibration.takeUntracked(scans_[scans_.next()].item)) beginAnew(associated);
   return std::move(associated.result.decisions);
 }
 
@@ -293,6 +294,7 @@ void LocalTracker::reacquire(std::uint32_t id, AssociatedScan& associated) {
   auto& tracks = state_.tracks;
   const auto fresh =
       std::find_if(tracks.begin(), tracks.end(), [&](const LiveTrack& track) { return track.id() == id; });
+  const double noise = state_.calibration.suspectedScale(scan.sensor);
   auto likeliest = tracks.end();
   double most = 0.0;
   for (auto missing = tracks.begin(); missing != tracks.end(); ++missing) {
@@ -300,7 +302,7 @@ void LocalTracker::reacquire(std::uint32_t id, AssociatedScan& associated) {
     const double silence = seconds(scan.time - missing->lifecycle().lastSighting());
     const double births = state_.detection.birthDensity(scan, silence);
     const double gain =
-        missing->logDensityOfReturn(*fresh, scan.time) - fresh->logDensityOfBirth(scan.time, births);
+        missing->logDensityOfReturn(*fresh, scan.time, noise) - fresh->logDensityOfBirth(scan.time, births);
     if (gain <= most) continue;
     most = gain;
     likeliest = missing;
@@ -311,6 +313,16 @@ void LocalTracker::reacquire(std::uint32_t id, AssociatedScan& associated) {
     if (decision.track == id) decision.track = fresh->id();
   }
   tracks.erase(likeliest);
+}
+
+/// (S-96): the noise that a sensor with one target states has been found far too small.
+void LocalTracker::beginAnew(AssociatedScan& associated) {
+  const Scan scan = calibrated(scans_[scans_.next()].item);
+  Association& decision = associated.result.decisions.front() = Association{};
+  decision.decision = Decision::started_track;
+  decision.track =
+      begunAnew(state_.tracks, scan, makeEstimator(settings().estimator),
+                state_.detection.newTargetOdds(scan), state_.detection.interval(scan), state_.ids);
 }
 
 /// Second tracks of targets seen once, for sightings that may be theirs.
@@ -363,7 +375,7 @@ void LocalTracker::deleteTracks() {
   auto& tracks = state_.tracks;
   for (LiveTrack& track : tracks) track.updateStatus(state_.time, settings().lifecycle);
   const auto isOver = [this](const LiveTrack& track) {
-    return track.isOver(state_.time, settings().lifecycle, settings().adapt_gate);
+    return track.isOver(state_.time, settings().lifecycle, settings().adapt_gate, state_.calibration);
   };
   tracks.erase(std::remove_if(tracks.begin(), tracks.end(), isOver), tracks.end());
 }

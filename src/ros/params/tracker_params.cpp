@@ -223,6 +223,8 @@ core::NogaConsistentParams loadNogaConsistentParams(const ParamReader& reader,
   params.dwell = reader.number("dwell", params.dwell, above(0.0), "s");
   params.outlier_share = reader.number("outlier_share", params.outlier_share, Range{0.0, 1.0, false, true});
   params.outlier_width = reader.number("outlier_width", params.outlier_width, above(0.0), "amplitudes");
+  params.least_drawn = reader.number("least_drawn", params.least_drawn, Range{0.0, 1.0, false, true});
+  params.left_out = reader.number("left_out", params.left_out, Range{0.0, 1.0, false, true});
   return params;
 }
 

@@ -90,10 +90,34 @@ TEST(ModeChain, OfOneModeIsCertain) {
   EXPECT_EQ(chain.ownShares(3.0)(0), 1.0);
 }
 
+TEST(ModeChain, ImprobableChangesDoNotMix) {
+  ModeChain all(ModeArray::Ones(3), 60.0), likely(ModeArray::Ones(3), 60.0, 1e-3);
+  for (ModeChain* chain : {&all, &likely}) chain->update(0.0, array({0.0, -2.0, -6.0}));
+  const ModeArray mixes = all.ownShares(0.03), kept = likely.ownShares(0.03);
+  ASSERT_LT(1.0 - mixes(0), 1e-3);
+  ASSERT_GT(1.0 - mixes(2), 1e-3);
+  EXPECT_LT(mixes(0), 1.0);
+  EXPECT_EQ(kept(0), 1.0);
+  EXPECT_EQ(kept(2), mixes(2));
+  EXPECT_TRUE((likely.predicted(0.03) == all.predicted(0.03)).all()) << "probabilities are the same";
+}
+
+TEST(ModeChain, LeavesOutTheLeastProbableModesThatSumToNoMore) {
+  const ModeArray probabilities = array({0.004, 0.98, 0.003, 0.009, 0.004});
+  const ModeArray likely = likelyShares(probabilities, 0.01);
+  EXPECT_EQ(likely(2), 0.0);
+  EXPECT_EQ((likely == 0.0).count(), 2);  // 0.003 and one of 0.004
+  EXPECT_NEAR(likely.sum(), 1.0, 1e-15);
+  EXPECT_NEAR(likely(1) / likely(3), 0.98 / 0.009, 1e-9);
+  EXPECT_TRUE((likelyShares(probabilities, 0.0) == probabilities).all());
+  EXPECT_EQ(likelyShares(array({1.0}), 0.5)(0), 1.0);
+}
+
 TEST(ModeChain, RefusesNoModesNoAttractionAndNoDwell) {
   EXPECT_THROW(ModeChain(ModeArray(0), 1.0), std::invalid_argument);
   EXPECT_THROW(ModeChain(array({1.0, 0.0}), 1.0), std::invalid_argument);
   EXPECT_THROW(ModeChain(ModeArray::Ones(2), 0.0), std::invalid_argument);
+  EXPECT_THROW(ModeChain(ModeArray::Ones(2), 1.0, 1.0), std::invalid_argument);
 }
 
 TEST(Mixture, OfTwoIsThatOfMany) {

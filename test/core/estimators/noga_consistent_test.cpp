@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
@@ -205,6 +206,54 @@ TEST(NogaConsistent, AnotherChartChangesNothingForTheMotionItDescribes) {
   const AngularState b = *moves->stateAt(Time(durationOf(2.97)));
   EXPECT_LT((a.mean - b.mean).norm(), 1e-5);
   EXPECT_TRUE(b.covariance.isApprox(a.covariance, 0.01));
+}
+
+/// Mean normalised squared error of the position, and its root mean square in sigmas, of targets whose white
+/// acceleration has the density `q` sigma^2 [1/s^3], in 40 s.
+struct Straightness {
+  double anees = 0.0, error = 0.0;
+};
+
+Straightness follow(double q, unsigned runs) {
+  constexpr double kSigma = 1e-3, kStep = 1.0 / 30.0;
+  Straightness sums;
+  double count = 0.0;
+  for (unsigned run = 1; run <= runs; ++run) {
+    std::mt19937_64 random(run);
+    std::normal_distribution<double> normal;
+    NogaConsistentEstimator estimator{NogaConsistentParams{}};
+    Eigen::Vector4d truth(0.01, 0.02, 0.01 * normal(random), 0.01 * normal(random));
+    for (int k = 0; k < 1200; ++k) {
+      for (int channel = 0; channel < 2; ++channel) {
+        const double gain = kSigma * std::sqrt(q * kStep) * normal(random);
+        truth(channel) += kStep * (truth(channel + 2) + 0.5 * gain);
+        truth(channel + 2) += gain;
+      }
+      const Eigen::Vector2d noise(normal(random), normal(random));
+      const Measurement seen = sighting(kStep * k, truth.head<2>() + kSigma * noise,
+                                        kSigma * kSigma * Eigen::Matrix2d::Identity());
+      estimator.update(seen);
+      if (k < 60) continue;
+      const AngularState state = *estimator.stateAt(seen.time);
+      const Eigen::Vector2d error = (state.mean - truth).head<2>();
+      sums.anees += error.dot(state.anglesCovariance().llt().solve(error)) / 2.0;
+      sums.error += error.squaredNorm() / 2.0 / (kSigma * kSigma);
+      ++count;
+    }
+  }
+  return {sums.anees / count, std::sqrt(sums.error / count)};
+}
+
+TEST(NogaConsistent, StraightTargetsAndNearlyStraightOnesHaveHonestCovariances) {
+  const Straightness straight = follow(0.0, 60);
+  EXPECT_GT(straight.anees, 0.8);  // with a calmest density of 0.01 sigma^2: 0.73
+  EXPECT_LT(straight.anees, 1.2);
+  EXPECT_LT(straight.error, 0.12);  // and 0.166
+  for (const double q : {1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0}) {
+    const Straightness found = follow(q, 10);
+    EXPECT_GT(found.anees, 0.7) << q;
+    EXPECT_LT(found.anees, 1.45) << q;  // without steps between 1e-6 and 1: up to 3.1
+  }
 }
 
 }  // namespace

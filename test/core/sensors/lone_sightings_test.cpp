@@ -42,6 +42,21 @@ TEST(LoneSightings, FindAStatedSigmaThatIsAThousandTimesTooSmall) {
   }
 }
 
+TEST(LoneSightings, SuspectFromTheFirstComparisonOn) {
+  LoneSightings far_off, right;
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_EQ(far_off.suspicion().has_value(), k >= 3) << k;
+    EXPECT_FALSE(right.suspicion()) << k;
+    Scan scan;
+    scan.time = Time(durationOf(0.1 * k));
+    const double azimuth = k % 2 == 0 ? 1e-3 : -1e-3;
+    scan.sightings.push_back(sightingOf({azimuth, 0.0}, 1e-12 * Eigen::Matrix2d::Identity()));
+    EXPECT_FALSE(far_off.take(scan));
+    scan.sightings[0] = sightingOf({azimuth, 0.0}, 1e-6 * Eigen::Matrix2d::Identity());
+    EXPECT_FALSE(right.take(scan));
+  }
+}
+
 TEST(LoneSightings, BelieveASigmaThatIsAboutRight) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Case right;

@@ -16,6 +16,27 @@ TEST(NoiseCalibration, TrustsASensorItDoesNotKnow) {
   EXPECT_EQ(NoiseCalibration(NoiseCalibrationParams{}).scale("camera"), 1.0);
 }
 
+TEST(NoiseCalibration, SuspectsAndThenFindsThatTheStatedNoiseIsFarTooSmall) {
+  NoiseCalibration calibration(NoiseCalibrationParams{});
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal(0.0, 1e-3);
+  bool is_found = false;
+  for (int k = 0; !is_found && k < 20; ++k) {
+    EXPECT_EQ(calibration.suspectedScale("camera") > 100.0, k >= 3) << k;
+    EXPECT_EQ(calibration.scale("camera"), 1.0) << k;
+    Scan scan;
+    scan.sensor = "camera";
+    scan.time = Time(durationOf(0.1 * k));
+    scan.sightings.push_back(
+        sightingOf({normal(random), normal(random)}, 1e-12 * Eigen::Matrix2d::Identity()));
+    is_found = calibration.takeUntracked(scan);
+  }
+  ASSERT_TRUE(is_found);
+  EXPECT_GT(calibration.scale("camera"), 1e5);
+  EXPECT_EQ(calibration.suspectedScale("camera"), calibration.scale("camera"));
+  EXPECT_EQ(calibration.suspectedScale("another"), 1.0);
+}
+
 TEST(NoiseCalibration, FindsTheScaleOfEachSensor) {
   NoiseCalibration calibration(NoiseCalibrationParams{});
   std::mt19937_64 random(1);

@@ -153,17 +153,25 @@ TEST_P(AnyPace, APassOfASatelliteInTenSecondStepsHasOneTrack) {
   }
 }
 
+// By sigmas a thousand times too small any three sightings contradict each other: until that is found out
+// the track may be lost for some sightings. In one run of ten it may be found again as another.
+TEST_P(AnyPace, AVarianceGivenForTheSigmaIsFoundOutAndTheTargetHasOneTrack) {
+  int with_one_id = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Input wrong = steady(0.1, 0.002, 1e-6);
+    wrong.noise_over_stated = 1e3;
+    const Outcome outcome = track(wrong, GetParam(), seed);
+    if (outcome.ids.size() == 1) ++with_one_id;
+    EXPECT_LE(outcome.ids.size(), 2u) << seed;
+    EXPECT_LE(outcome.first, 14) << seed;
+    EXPECT_LE(outcome.scans_without, 6) << seed;
+    EXPECT_LT(outcome.last_error, 5e-3) << seed;
+  }
+  EXPECT_GE(with_one_id, 18);
+}
+
 INSTANTIATE_TEST_SUITE_P(LocalTracker, AnyPace, testing::ValuesIn(estimatorNames()),
                          [](const auto& info) { return info.param; });
-
-TEST(AnyPaceByDefault, AVarianceGivenForTheSigmaIsFoundOutAndTheTargetTracked) {
-  Input wrong = steady(0.1, 0.002, 1e-6);
-  wrong.noise_over_stated = 1e3;
-  const Outcome outcome = track(wrong, "twbls", 7);
-  EXPECT_EQ(outcome.ids.size(), 1u);
-  EXPECT_LE(outcome.first, 20);
-  EXPECT_LT(outcome.last_error, 5e-3);
-}
 
 }  // namespace
 }  // namespace sightline::core

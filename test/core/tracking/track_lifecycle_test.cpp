@@ -167,6 +167,7 @@ TEST(TrackLifecycle, AReacquiredTrackHasTheSightingsOfBoth) {
   TrackLifecycle track = sighted(3);
   track.resume(sighted(40));
   EXPECT_EQ(track.hits(), 43u);
+  EXPECT_EQ(track.hitsSinceFound(), 3u);
 }
 
 }  // namespace

@@ -19,8 +19,8 @@ struct GateParams {
   double probability =
       0.9995;  ///< that a sighting of the target falls into the ellipse, if S is right, in (0, 1)
   GateShape shape = GateShape::ellipse;
-  double min_half_width = 0.0;  ///< of the rectangle [rad], >= 0: S is enlarged to reach it
-  double max_half_width = 1.0;  ///< of the rectangle [rad], > 0: nothing beyond is accepted
+  double min_half_width = 0.0;        ///< of the rectangle [rad], >= 0: S is enlarged to reach it
+  double max_half_width = kPi / 2.0;  ///< of the rectangle [rad], > 0: nothing beyond is accepted
 
   friend bool operator==(const GateParams& a, const GateParams& b) {
     return std::tie(a.probability, a.shape, a.min_half_width, a.max_half_width) ==

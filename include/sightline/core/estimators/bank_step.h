@@ -16,6 +16,7 @@ struct BankStep {
   double h = 0.0;           ///< length [s], >= 0
   double unit = 1.0;        ///< of time [s], > 0
   bool is_coupled = false;  ///< whether covariances of azimuth with elevation are kept
+  double passing = 0.0;     ///< density of the most agile straight model's further acceleration [rad^2/s^3]
 
   double units() const { return h / unit; }
 };

@@ -22,8 +22,8 @@ using ModeArray = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMaxModes, 1>;
 class ModeChain {
  public:
   /// `attraction`: 1 to kMaxModes numbers > 0, in proportion to the probabilities at first and to those of
-  /// being drawn; `dwell` mean time in one mode [s], > 0.
-  ModeChain(const ModeArray& attraction, double dwell);
+  /// being drawn; `dwell` mean time in one mode [s], > 0; `least_drawn`: see ownShares, in [0, 1).
+  ModeChain(const ModeArray& attraction, double dwell, double least_drawn = 0.0);
 
   /// The probabilities by the sightings so far; they sum to one and none is below 1e-12.
   const ModeArray& probabilities() const { return probabilities_; }
@@ -36,7 +36,9 @@ class ModeChain {
 
   /// Where a mode that is in force `h` seconds later comes from, by Bayes' rule: with this probability from
   /// itself, because none was drawn; for the rest from any, as they are probable now. Interaction is then a
-  /// mixture of a model's own belief with that of all, which needs to be made only once.
+  /// mixture of a model's own belief with that of all, which needs to be made only once. A rest below
+  /// `least_drawn` counts as none: merged step after step into one normal distribution, improbable changes of
+  /// the model would be process noise that the calmest of them does not have.
   ModeArray ownShares(double h) const;
 
   /// Goes `h` seconds on and takes the log likelihood of a sighting under each mode.
@@ -46,9 +48,15 @@ class ModeChain {
   double drawnProbability(double h) const;
 
   double dwell_;
+  double least_drawn_;
   ModeArray attraction_;  // sums to one
   ModeArray probabilities_;
 };
+
+/// The probabilities without those of the least probable modes that sum to at most `left_out`; they sum to one
+/// again. Rates of an agile target, improbable as they are, would make the covariance of a mixture by
+/// themselves: what is left out is described no worse by a covariance without them.
+ModeArray likelyShares(const ModeArray& probabilities, double left_out);
 
 /// Mean and covariance of a mixture (S-6). `weights`: an array that sums to one; a weight of zero leaves its
 /// motion out.

@@ -33,12 +33,15 @@ struct NogaConsistentParams {
   double dwell = 60.0;              ///< mean time between changes of the model [units of time], > 0
   double outlier_share = 0.01;      ///< of sightings that are not the target's, in [0, 1)
   double outlier_width = 4.0;       ///< over which they lie, in amplitudes, > 0
+  double least_drawn = 1e-3;        ///< below which models do not interact (ModeChain), in [0, 1)
+  double left_out = 0.01;           ///< of the models' probability in what is published, in [0, 1)
   NoiseLearningParams noise;        ///< what the sightings' noise really is
 
   friend bool operator==(const NogaConsistentParams& a, const NogaConsistentParams& b) {
     return std::tie(a.models, a.amplitude, a.initial_rate_sigma, a.dwell, a.outlier_share, a.outlier_width,
-                    a.noise) == std::tie(b.models, b.amplitude, b.initial_rate_sigma, b.dwell,
-                                         b.outlier_share, b.outlier_width, b.noise);
+                    a.least_drawn, a.left_out, a.noise) ==
+           std::tie(b.models, b.amplitude, b.initial_rate_sigma, b.dwell, b.outlier_share, b.outlier_width,
+                    b.least_drawn, b.left_out, b.noise);
   }
 };
 
@@ -54,7 +57,8 @@ NogaConsistentParams bankOfSection43();
 /// followed by the propagation is the Kalman recursion; it is carried out in that form (a test holds the two
 /// equal). The channels stay apart, as cheap as two small filters, until a sighting couples them.
 ///
-/// Times in the settings are in units of time (RevisitTime), seconds for most sensors. Each model learns the
+/// Times in the settings are in units of time (RevisitTime), seconds for most sensors; of slower ones the most
+/// agile straight model of a bank that is free of scale expects targets that pass by (S-97). Each model learns the
 /// scale of the sightings' noise for itself (S-11), channel by channel: a model that explains the innovations
 /// by calm sightings and a lively target competes with one that explains them by the opposite.
 class NogaConsistentEstimator final : public Estimator {
@@ -84,6 +88,9 @@ class NogaConsistentEstimator final : public Estimator {
 
   /// How far the noise has been learnt by then.
   const NoiseLearning& noiseLearning() const { return noise_learning_; }
+
+  /// Probability of the models that may be left out of what is published.
+  double leftOut() const { return params_.left_out; }
 
   /// Whether covariances of azimuth with elevation are kept.
   bool isCoupled() const { return is_coupled_; }
@@ -121,6 +128,7 @@ class NogaConsistentEstimator final : public Estimator {
 
   int modes() const { return static_cast<int>(params_.models.size()); }
   BankAmplitude amplitude() const;
+  double passing(double h) const;
   void take(const Measurement& measurement, std::optional<BankStep>* step);
   void start(const Measurement& measurement);
   void setUnknown(double h);

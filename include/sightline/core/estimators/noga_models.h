@@ -31,6 +31,10 @@ struct ResponseModel {
 /// The default bank, free of scale.
 std::vector<ResponseModel> defaultResponseModels();
 
+/// The straight one of the largest noise, which expects targets that pass by as well (passingAcceleration);
+/// -1 where none is straight.
+int agilestStraight(const std::vector<ResponseModel>& models);
+
 /// What one response model knows of a target: for each channel the state (x, v, a, kappa) in the chart
 /// [rad, rad/s, rad/s^2, 1/s^2], the covariance of the azimuth's state with the elevation's, and the variance
 /// of the sightings over the stated one [1].

@@ -21,6 +21,9 @@ class LoneSightings {
   /// that the scatter asks for, when it is far from 1 and the evidence is there.
   std::optional<double> take(const Scan& scan);
 
+  /// The factor by what has come so far, be it one comparison: too little to believe it.
+  std::optional<double> suspicion() const;
+
  private:
   static constexpr int kNeeded = 8;  // sightings compared with the line through the two before
 

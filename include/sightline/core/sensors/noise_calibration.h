@@ -50,18 +50,24 @@ class NoiseCalibration {
   /// Factor on the sensor's stated variances.
   double scale(const std::string& sensor) const;
 
+  /// The same, or what it may have to be by what its sightings have shown while no track was established, if
+  /// that is more (LoneSightings).
+  double suspectedScale(const std::string& sensor) const;
+
   /// A mature track was updated with a sighting. `innovation_squared` of both coordinates and the variance
   /// `expected` of each [rad^2]; `track_scale`: the noise scale that the track has found beyond the sensor's.
   void take(const std::string& sensor, const Eigen::Vector2d& innovation_squared,
             const Eigen::Vector2d& expected, const Eigen::Vector2d& track_scale);
 
-  /// Takes a scan while no track is established: whether the stated noise can be right at all.
-  void takeUntracked(const Scan& scan);
+  /// Takes a scan while no track is established: whether the stated noise can be right at all. Returns
+  /// whether it has just been found far too small.
+  bool takeUntracked(const Scan& scan);
 
   /// By name.
   const std::vector<CalibratedSensor>& sensors() const { return sensors_; }
 
  private:
+  const CalibratedSensor* find(const std::string& sensor) const;
   CalibratedSensor* entry(const std::string& sensor);
 
   NoiseCalibrationParams params_;

@@ -26,6 +26,7 @@ struct SmoothedBank {
   ModeArray later_noise[2];   ///< evidence of later sightings of the same, times its weight ...
   double later_weight = 0.0;  ///< ... which is this
   bool is_coupled = false;    ///< whether covariances of azimuth with elevation are kept
+  double left_out = 0.0;      ///< probability of the models that motionOf may leave out
 };
 
 /// What an estimator knows at its last sighting: nothing later is known.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -12,6 +13,7 @@
 #include "sightline/core/estimators/revisit_time.h"
 #include "sightline/core/model/sighting.h"
 #include "sightline/core/model/track.h"
+#include "sightline/core/sensors/noise_calibration.h"
 #include "sightline/core/sensors/sensor_guard.h"
 #include "sightline/core/tracking/track_ids.h"
 #include "sightline/core/tracking/track_lifecycle.h"
@@ -56,8 +58,10 @@ class LiveTrack {
 
   /// ln of the density with which a target of this track, if it returns, has the motion of `fresh`
   /// [1/(rad^2 (rad/s)^2)]. Targets sometimes jump, where sightings stand still or a filter is too sure: one
-  /// in twenty is allowed 25 times the distance.
-  double logDensityOfReturn(const LiveTrack& fresh, Time time) const;
+  /// in twenty is allowed 25 times the distance. `noise_scale`: factor on the sensor's stated variances that
+  /// is believed now, or suspected. Where this track had believed in less, it was lost in no time: its
+  /// covariance counts as many times.
+  double logDensityOfReturn(const LiveTrack& fresh, Time time, double noise_scale) const;
 
   /// The same of a new target, where `births` new ones are expected in a solid angle of 1 sr.
   double logDensityOfBirth(Time time, double births) const;
@@ -77,8 +81,10 @@ class LiveTrack {
   /// Brings the status up to date: confirmed, coasting, lost.
   void updateStatus(Time time, const LifecycleParams& params) { lifecycle_.updateStatus(time, params); }
 
-  /// Whether the track is to be deleted at `time`, for which its status is up to date.
-  bool isOver(Time time, const LifecycleParams& params, bool adapt_gate) const;
+  /// Whether the track is to be deleted at `time`, for which its status is up to date. Its gate may be as
+  /// much wider as the noise of its sensor is suspected to be by `calibration`.
+  bool isOver(Time time, const LifecycleParams& params, bool adapt_gate,
+              const NoiseCalibration& calibration) const;
 
   /// The track in the tracking frame's angles at `time`, with the gate for the sighting that comes next.
   Track report(Time time, const GateParams& gate, bool adapt_gate, const LifecycleParams& params) const;
@@ -89,6 +95,7 @@ class LiveTrack {
   void noteSource(const Scan& scan, const Eigen::Vector2d& innovation);
   Eigen::Matrix2d lastNoise() const;
   double spread(const AngularState& state, bool adapt_gate) const;
+  double growth(double noise_scale) const { return std::max(noise_scale / last_noise_scale_, 1.0); }
   double gateScale(bool adapt_gate) const;
 
   std::uint32_t id_;

@@ -120,6 +120,7 @@ class LocalTracker {
   void learnDetection(const AssociatedScan& associated);
   void reacquire(std::uint32_t id, AssociatedScan& associated);
   void startTracks(AssociatedScan& associated);
+  void beginAnew(AssociatedScan& associated);
   void startBranches(const AssociatedScan& associated);
   void deleteDuplicates(const AssociatedScan& associated);
   void deleteTracks();

@@ -73,6 +73,9 @@ class TrackLifecycle {
 
   Time lastSighting() const { return last_sighting_; }
   std::uint32_t hits() const { return hits_; }
+  std::uint32_t hitsSinceFound() const {
+    return hits_ - hits_before_;
+  }                                                 ///< for the last time, if it was lost
   std::uint32_t misses() const { return misses_; }  ///< since the last hit
   double interval() const { return interval_; }     ///< usual time between sightings [s]; 0 = not known yet
   double existence() const { return existence_.probability(); }
@@ -97,7 +100,7 @@ class TrackLifecycle {
   void noteMiss(Time time, double likelihood_ratio, bool is_expected, const LifecycleParams& params);
 
   /// Goes on as the track that a target had before it was lost.
-  void resume(const TrackLifecycle& lost) { hits_ += lost.hits_; }
+  void resume(const TrackLifecycle& lost) { hits_ += hits_before_ = lost.hits_; }
 
   /// Brings the status of an established track up to date: confirmed, coasting, lost.
   void updateStatus(Time time, const LifecycleParams& params);
@@ -121,6 +124,7 @@ class TrackLifecycle {
   double interval_ = 0.0;  // [s]
   double unit_ = 1.0;      // [s]
   std::uint32_t hits_ = 1, misses_ = 0;
+  std::uint32_t hits_before_ = 0;     // of the track that it goes on as
   int scans_ = 1;                     // that could have shown the target, since the start
   double looked_ = 0.0, seen_ = 0.0;  // the last ones of these, fading, and how many of them did
 };
