@@ -1,6 +1,7 @@
 #include "sightline/core/estimators/mode_chain.h"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string>
 
@@ -58,15 +59,15 @@ void ModeChain::update(double h, const ModeArray& log_likelihoods) {  // (S-27)
 ModeArray likelyShares(const ModeArray& probabilities, double left_out) {  // (S-6)
   ModeArray likely = probabilities;
   if (left_out == 0.0) return likely;
-  double rest = left_out;
-  while (true) {
-    Eigen::Index least = 0;
-    const double probability = (likely > 0.0).select(likely, 2.0).minCoeff(&least);
-    if (probability > rest) break;
-    rest -= probability;
-    likely(least) = 0.0;
-  }
-  return likely / likely.sum();
+  std::array<double, kMaxModes> ascending{};
+  const auto end = std::copy_n(likely.data(), likely.size(), ascending.begin());
+  std::sort(ascending.begin(), end);
+  auto least = ascending.begin();  // that is not left out
+  for (double rest = left_out - *least; rest >= 0.0; rest -= *least) ++least;
+  for (Eigen::Index mode = 0; mode < likely.size(); ++mode)
+    if (likely(mode) < *least) likely(mode) = 0.0;
+  likely /= likely.sum();
+  return likely;
 }
 
 }  // namespace sightline::core

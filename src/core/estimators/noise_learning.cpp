@@ -18,17 +18,22 @@ NoiseLearning::NoiseLearning(const NoiseLearningParams& params)
 void NoiseLearning::enable(bool enabled) {
   params_.enabled = enabled;
   weight_ = kOneSighting * params_.trust;
+  counts_ = false;
 }
 
 void NoiseLearning::fade(double h) {  // (S-11)
   const double least = kOneSighting * params_.trust;
   weight_ = least + (weight_ - least) * faded(h);
+  counts_ = false;
 }
 
 void NoiseLearning::next(double h) {  // (S-11)
   fade(h);
-  if (sightings_ >= kSightingsOfTheRate) weight_ += kOneSighting;
-  if (sightings_ < kSightingsOfTheRate) ++sightings_;
+  counts_ = sightings_ >= kSightingsOfTheRate;
+  if (counts_)
+    weight_ += kOneSighting;
+  else
+    ++sightings_;
 }
 
 }  // namespace sightline::core

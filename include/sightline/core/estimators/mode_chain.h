@@ -53,8 +53,8 @@ class ModeChain {
   ModeArray probabilities_;
 };
 
-/// The probabilities without those of the least probable modes that sum to at most `left_out`; they sum to one
-/// again. Rates of an agile target, improbable as they are, would make the covariance of a mixture by
+/// The probabilities without those of the least probable modes that sum to at most `left_out`, below one; they
+/// sum to one again. Rates of an agile target, improbable as they are, would make the covariance of a mixture by
 /// themselves: what is left out is described no worse by a covariance without them.
 ModeArray likelyShares(const ModeArray& probabilities, double left_out);
 

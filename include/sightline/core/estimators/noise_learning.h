@@ -56,17 +56,18 @@ class NoiseLearning {
   /// The share that is left of a weight after `h` seconds.
   double faded(double h) const { return std::exp(-h / params_.memory); }
 
-  /// Log density of one channel's innovation, given its square over S and log S: Student's t, or the normal
-  /// one where nothing is learnt. `Number`: double, or an array of them, of one model each.
+  /// Log density of one channel's innovation by what was known before it (after `next`), given its square over
+  /// S and log S: Student's t, or the normal one where nothing is learnt. `Number`: double, or an array of them, of one model each.
   template <typename Number>
   Number logDensity(const Number& distance_squared, const Number& log_S) const {
     using std::log1p;
     if (!params_.enabled) return -0.5 * (distance_squared + log_S + kLog2Pi);
-    return -0.5 * (log_S + kLog2Pi) - (weight_ + 0.5) * log1p(Number(distance_squared / (2.0 * weight_)));
+    const double weight = counts_ ? weight_ - kOneSighting : weight_;  // before it
+    return -0.5 * (log_S + kLog2Pi) - (weight + 0.5) * log1p(Number(distance_squared / (2.0 * weight)));
   }
 
   /// Whether innovations tell of the noise already.
-  bool isLearning() const { return params_.enabled && sightings_ >= kSightingsOfTheRate; }
+  bool isLearning() const { return params_.enabled && counts_; }
 
   /// The scale after a sighting, given the one before and the squared innovation over S with it.
   template <typename Number>
@@ -87,6 +88,7 @@ class NoiseLearning {
   NoiseLearningParams params_;
   double weight_;  // a of the inverse gamma distribution of one channel
   int sightings_ = 0;
+  bool counts_ = false;  // whether the innovation of the last sighting counts, and is in the weight
 };
 
 }  // namespace sightline::core
