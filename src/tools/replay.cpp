@@ -12,12 +12,13 @@
 #include "sightline/core/fusion/rules/fusion_rule_table.h"
 #include "sightline/report/command_line.h"
 #include "sightline/ros/recordings/recording_examination.h"
+#include "sightline/ros/recordings/replay_output.h"
 
 namespace {
 
 const char* const kUsageBeforeEstimators =
     "Usage: replay [--config FILE.yaml] [--estimator E] [--rule R] [--positions yes|no] [--smooth] [--lag S] "
-    "[--topics T[,T...]] [--live] IN.bag OUT.bag\n"
+    "[--topics T[,T...] | --all] [--live] IN.bag OUT.bag\n"
     "Runs the local trackers and the track fusion over a recording, as fast as the machine allows.\n"
     "  IN.bag       every sightline/SightingArray topic is used, with /tf and /tf_static\n"
     "  OUT.bag      IN.bag with the tracks (instead of those it may hold): one tracker for each sensor on\n"
@@ -41,7 +42,13 @@ const char* const kUsageBeforeEstimators =
     "  --lag S      smooth with sightings up to S seconds later only, as could be done live\n"
     "  --topics     of what is said, write these topics only: names, or beginnings of names with a * at the "
     "end, as in\n"
-    "               /fusion/tracks,/sensors/*; messages of IN.bag are copied all the same\n"
+    "               /fusion/tracks,/sensors/*, with every message of them; messages of IN.bag are copied all "
+    "the same\n"
+    "  --all        write every message of every topic (default: what the tracker over all sightings says "
+    "ten "
+    "times a\n"
+    "               second at most, the fusion's reports when something is new in them or once a second, no "
+    "tracklets)\n"
     "  --live       use scans in their order of arrival, and drop what comes too late for live trackers "
     "(default: nothing\n"
     "               is late)\n"
@@ -68,6 +75,12 @@ void print(const sightline_ros::ReplaySummary& summary, const std::string& out, 
               summary.recorded / elapsed);
   std::printf("  %zu track messages written, %zu messages copied\n", summary.track_messages,
               summary.copied_messages);
+  if (summary.left_out_messages > 0) {
+    std::printf(
+        "  %zu messages not written: tracklets, reports without news, tracks over all sightings beyond "
+        "%.0f a second (--all writes them)\n",
+        summary.left_out_messages, sightline_ros::kSlowRate);
+  }
   for (const auto& [sensor, topic] : summary.topics) {
     std::printf("  sensor \"%s\" is found under %s: its name is no topic's\n", sensor.c_str(), topic.c_str());
   }
@@ -98,7 +111,7 @@ void run(const std::vector<std::string>& words) {
   using namespace sightline_ros;
   const sightline::report::CommandLine line(
       words, {"--config", "--estimator", "--rule", "--positions", "--lag", "--topics"}, 2, 2,
-      {"--live", "--smooth"});
+      {"--live", "--smooth", "--all"});
   ReplaySettings settings{line.option("--config", ""), line.option("--estimator", ""),
                           line.option("--rule", ""), line.has("--live"), std::nullopt};
   if (line.has("--positions")) settings.positions = line.yesOrNo("--positions", false);
@@ -106,6 +119,10 @@ void run(const std::vector<std::string>& words) {
   if (line.has("--lag"))
     settings.lag = line.number("--lag", 0.0, sightline::report::NumberRange::at_least_zero);
   if (line.has("--topics")) settings.topics = topicsIn(line.option("--topics", ""));
+  settings.all = line.has("--all");
+  if (settings.all && line.has("--topics"))
+    throw sightline::report::UsageError(
+        "--all writes every topic, --topics some of them: give one of the two");
   const auto start = std::chrono::steady_clock::now();
   const ReplaySummary summary = replay(line.arguments()[0], line.arguments()[1], settings);
   print(summary, line.arguments()[1],

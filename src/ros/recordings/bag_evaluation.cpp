@@ -21,6 +21,7 @@
 #include "sightline/report/residual_comparison.h"
 #include "sightline/report/residual_text.h"
 #include "sightline/report/score_files.h"
+#include "sightline/report/value_text.h"
 #include "sightline/ros/messages/conversions.h"
 #include "sightline/ros/messages/evaluation_messages.h"
 #include "sightline/ros/messages/position_messages.h"
@@ -29,6 +30,8 @@
 #include "sightline/ros/recordings/recorded_truth.h"
 #include "sightline/ros/recordings/recording_examination.h"
 #include "sightline/ros/recordings/recording_reader.h"
+#include "sightline/ros/recordings/replay_output.h"
+#include "sightline/ros/recordings/replay_parameters.h"
 #include "sightline/ros/recordings/truth_comparison.h"
 
 namespace sightline_ros {
@@ -37,6 +40,8 @@ namespace core = sightline::core;
 namespace report = sightline::report;
 
 namespace {
+
+const char* const kAllSightings = "/sensor_fusion/tracks";
 
 using Innovations = std::map<std::string, core::InnovationStatistics>;  // by topic
 
@@ -176,6 +181,13 @@ std::string compareWithSightings(RecordingReader& reader, const BagEvaluationSet
          (has_truth ? "There is a truth in this recording: compare with it by --truth /truth\n" : "");
 }
 
+/// What the reader of the tables must know of how the tracks were written.
+std::string noteOnWriting(const rosbag::Bag& bag) {
+  if (!isWrittenInPart(bag) || rosbag::View(bag, rosbag::TopicQuery(kAllSightings)).size() == 0) return "";
+  return std::string(kAllSightings) + " holds " + report::valueOf(kSlowRate, "messages") +
+         " a second at most: shorter breaks and changes are not seen (replay --all writes every message)\n";
+}
+
 std::string evaluate(const rosbag::Bag& bag, const BagEvaluationSettings& settings, const Output& output) {
   const bool has_truth = !settings.truth.empty();
   RecordedTruth truth;
@@ -188,7 +200,7 @@ std::string evaluate(const rosbag::Bag& bag, const BagEvaluationSettings& settin
   const std::string tables = has_truth ? compareWithTruth(reader, truth, settings, output)
                                        : compareWithSightings(reader, settings, output);
   const std::string findings = linesOf(examineRecording(bag, examination).findings);
-  return tables + notesOn(reader.leftOut(), "messages left out on", reader.examples()) +
+  return tables + notesOn(reader.leftOut(), "messages left out on", reader.examples()) + noteOnWriting(bag) +
          (findings.empty() ? "" : "Inputs:\n" + findings);
 }
 

@@ -78,8 +78,7 @@ std::string RecordedTransforms::platformOf(const std::string& frame) const {
 }
 
 void RecordedTransforms::advanceTo(core::Time time) {
-  for (; next_ < moving_.size() && moving_[next_].due <= time; ++next_)
-    buffer_.setTransform(moving_[next_].transform, "bag", false);
+  for (; bringsAny(time); ++next_) buffer_.setTransform(moving_[next_].transform, "bag", false);
 }
 
 }  // namespace sightline_ros

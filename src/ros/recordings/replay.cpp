@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
-#include <future>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -12,7 +11,6 @@
 #include <rosbag/view.h>
 
 #include "sightline/report/value_text.h"
-#include "sightline/ros/components/local_tracker_component.h"
 #include "sightline/ros/components/position_tracker_component.h"
 #include "sightline/ros/components/track_fusion_component.h"
 #include "sightline/ros/diagnosis/input_examination.h"
@@ -24,6 +22,7 @@
 #include "sightline/ros/recordings/recorded_transforms.h"
 #include "sightline/ros/recordings/replay_output.h"
 #include "sightline/ros/recordings/replay_parameters.h"
+#include "sightline/ros/recordings/replay_rounds.h"
 #include "sightline/ros/recordings/smoothed_positions.h"
 #include "sightline/ros/recordings/smoothed_tracks.h"
 
@@ -36,14 +35,6 @@ namespace {
 
 const char* const kAllSensors = "";  // group of the tracker over all sightings
 
-/// A local tracker, and where its messages go.
-struct Tracker {
-  LocalTrackerComponent component;
-  TrackerTopics topics;
-  std::optional<SmoothedTracks> smoothed;  // where they are to be smoothed
-  bool is_used = false;                    // its tracks go to the fusion or to the position tracker
-};
-
 /// The trackers, and the fusion or the position tracker, of one replay: scans in, messages out.
 class Replay {
  public:
@@ -54,7 +45,7 @@ class Replay {
   ReplaySummary run(const rosbag::Bag& in);
 
  private:
-  Tracker trackerOf(const std::string& name, const std::string& space, const ParamReader& section);
+  ReplayTracker trackerOf(const std::string& name, const std::string& space, const ParamReader& section);
   void addFusion(const std::set<std::string>& sensors, const ParamReader& config,
                  const ReplaySettings& settings);
   void addStations(const RecordedStations& found, const std::set<std::string>& sensors,
@@ -66,13 +57,15 @@ class Replay {
   void follow(const DueScans& due);
   void startAnew(core::Time time);
   void follow(const SightingArray::ConstPtr& scan);
-  static std::vector<TrackerReport> track(Tracker& tracker, const SightingArray::ConstPtr& scan);
-  static core::Time endOfWait(const Tracker& tracker, const SightingArray::ConstPtr& scan);
-  void note(Tracker& tracker, const std::vector<TrackerReport>& reports);
-  void use(const Tracker& tracker, const std::vector<TrackerReport>& reports);
+  void finishRounds(std::size_t most);
+  void note(const ReplayRound& round);
+  void note(ReplayTracker& tracker, const std::vector<TrackerReport>& reports);
+  void note(const OverdueTracklets& overdue);
+  void locate(const ReplayTracker& tracker, const std::vector<TrackerReport>& reports);
   void writeSmoothed();
   void sendOverdueTracklets(core::Time now);
-  void sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets);
+  void send(const OverdueTracklets& overdue);
+  void sendTracklets(const ReplayTracker& tracker, const sightline::TrackletArray& tracklets);
   void locate(const sightline::TrackArray::ConstPtr& tracks, const std::string& topic);
   void fuseWaiting();
   void note(const FusionResult& fused, const ros::Time& stamp);
@@ -89,14 +82,15 @@ class Replay {
   ReplaySummary summary_;
   ReplayOutput output_;
   RecordedTransforms transforms_;
-  std::map<std::string, Tracker> trackers_;              // by sensor
-  std::map<std::string, Tracker> groups_;                // over several sensors, by the group's name
+  ReplayTrackers trackers_;                              // by sensor
+  ReplayTrackers groups_;                                // over several sensors, by the group's name
   std::map<std::string, std::string> group_of_;          // by sensor; sensors that are alone have none
   TrackFusionComponent fusion_;                          // without positions
   PositionTrackerComponent positions_;                   // with positions
   std::optional<SmoothedPositions> smoothed_positions_;  // where they are to be smoothed
   InputExamination examination_;
   std::map<std::string, std::string> topics_;  // of the scans, by sensor
+  std::optional<ReplayRounds> rounds_;         // never empty; the last: it uses the others
 };
 
 Replay::Replay(const rosbag::Bag& in, const RecordingSurvey& survey, rosbag::Bag& out,
@@ -106,7 +100,7 @@ Replay::Replay(const rosbag::Bag& in, const RecordingSurvey& survey, rosbag::Bag
       lag_(settings.lag),
       parameters_(parametersText(settings)),
       arrivals_(survey.arrivals),
-      output_(out, summary_, settings.topics),
+      output_(out, summary_, settings.topics, settings.all),
       transforms_(in, is_live_ ? KnownTransforms::up_to_time : KnownTransforms::one_further),
       fusion_(fusionSectionOf(config, settings), "fusion", &transforms_.buffer()),
       positions_(config.sub("position_tracker"), "positions", transforms_.buffer()) {
@@ -122,6 +116,7 @@ Replay::Replay(const rosbag::Bag& in, const RecordingSurvey& survey, rosbag::Bag
     addStations(found, survey.sensors, config, settings);
   else
     addFusion(survey.sensors, config, settings);
+  rounds_.emplace(trackers_, groups_, has_positions_ ? nullptr : &fusion_);
 }
 
 /// Directions from one place: a tracker for each sensor, and one over all of them.
@@ -129,7 +124,7 @@ void Replay::addFusion(const std::set<std::string>& sensors, const ParamReader& 
                        const ReplaySettings& settings) {
   const ParamReader local = sectionOf(config, "local_tracker", "estimator", settings.estimator);
   for (const auto& [sensor, part] : topicPartsOf(sensors)) {
-    Tracker tracker = trackerOf(sensor, "/sensors/" + part, local);
+    ReplayTracker tracker = trackerOf(sensor, "/sensors/" + part, local);
     tracker.is_used = true;
     trackers_.emplace(sensor, std::move(tracker));
     group_of_[sensor] = kAllSensors;
@@ -138,6 +133,7 @@ void Replay::addFusion(const std::set<std::string>& sensors, const ParamReader& 
   groups_.emplace(kAllSensors,
                   trackerOf("sensor_fusion", "/sensor_fusion",
                             sectionOf(config, "sensor_fusion", "estimator", settings.estimator)));
+  output_.slowDown(groups_.at(kAllSensors).topics);
 }
 
 /// Directions from several places: all trackers of a station track in its frame.
@@ -153,7 +149,7 @@ void Replay::addStations(const RecordedStations& found, const std::set<std::stri
                                   .with("tracking_frame", XmlRpc::XmlRpcValue(station.frame));
     for (const std::string& sensor : station.sensors) {
       const std::string space = "/sensors/" + parts.at(sensor);
-      Tracker tracker = trackerOf(sensor, space, local);
+      ReplayTracker tracker = trackerOf(sensor, space, local);
       tracker.is_used = station.sensors.size() == 1;
       trackers_.emplace(sensor, std::move(tracker));
       if (parts.at(sensor) != sensor) summary_.topics[sensor] = space;
@@ -162,7 +158,7 @@ void Replay::addStations(const RecordedStations& found, const std::set<std::stri
     if (station.sensors.size() == 1) continue;
     const ParamReader all = sectionOf(config, "sensor_fusion", "estimator", settings.estimator)
                                 .with("tracking_frame", XmlRpc::XmlRpcValue(station.frame));
-    Tracker group = trackerOf("station " + station.name, "/stations/" + parts.at(station.name), all);
+    ReplayTracker group = trackerOf("station " + station.name, "/stations/" + parts.at(station.name), all);
     group.is_used = true;
     groups_.emplace(station.name, std::move(group));
   }
@@ -171,8 +167,9 @@ void Replay::addStations(const RecordedStations& found, const std::set<std::stri
                              " apart: positions on /positions/tracks, directions are not fused");
 }
 
-Tracker Replay::trackerOf(const std::string& name, const std::string& space, const ParamReader& section) {
-  Tracker tracker{LocalTrackerComponent(section, name, transforms_.buffer()), TrackerTopics(space), {}};
+ReplayTracker Replay::trackerOf(const std::string& name, const std::string& space,
+                                const ParamReader& section) {
+  ReplayTracker tracker{LocalTrackerComponent(section, name, transforms_.buffer()), TrackerTopics(space), {}};
   if (smooths_) {
     tracker.component.keepSightings();
     tracker.smoothed.emplace(tracker.component.estimatorParams(), lag_);
@@ -194,7 +191,7 @@ const std::string& Replay::commonFrame() const {
 
 RecordedOrder Replay::orderOfScans() {
   double max_lag = 0.0, max_future = 0.0;  // [s]
-  withEachTracker([&](const Tracker& tracker) {
+  withEachTracker([&](const ReplayTracker& tracker) {
     max_lag = std::max(max_lag, tracker.component.maxLag());
     max_future = std::max(max_future, tracker.component.maxFuture());
   });
@@ -216,6 +213,7 @@ ReplaySummary Replay::run(const rosbag::Bag& in) {
     follow(due);
     if (!due.restart) break;
   }
+  finishRounds(0);
   sendOverdueTracklets(core::Time::max());
   fuseWaiting();
   writeSmoothed();
@@ -234,52 +232,61 @@ void Replay::follow(const DueScans& due) {
 
 /// The stamps of the recording went back: trackers, fusion and positions forget everything.
 void Replay::startAnew(core::Time time) {
+  finishRounds(0);
   sendOverdueTracklets(core::Time::max());
   fuseWaiting();
   transforms_.rewind();
-  withEachTracker([time](Tracker& tracker) { tracker.component.startAnew(time); });
+  withEachTracker([time](ReplayTracker& tracker) { tracker.component.startAnew(time); });
   fusion_.reset();
   if (smoothed_positions_) smoothed_positions_->keep(positions_.openMeasurements());
   positions_.reset();
 }
 
+/// Rounds before this one may be under way, unless transforms come or positions, which wait for transforms.
 void Replay::follow(const SightingArray::ConstPtr& scan) {
-  sendOverdueTracklets(toCore(scan->header.stamp));
-  Tracker& of_sensor = trackers_.at(scan->sensor);
-  examination_.take(*scan, topics_[scan->sensor], "", core::Time{});
+  ReplayTracker& of_sensor = trackers_.at(scan->sensor);
   const auto group = group_of_.find(scan->sensor);
-  Tracker* of_group = group == group_of_.end() ? nullptr : &groups_.at(group->second);
-  // Both know the same transforms then, and what the one says does not move the other: side by side.
-  const bool are_apart = of_group != nullptr && !has_positions_ &&
-                         of_group->component.tfTimeout() == of_sensor.component.tfTimeout();
-  transforms_.advanceTo(endOfWait(of_sensor, scan));
-  std::future<std::vector<TrackerReport>> by_group;
-  if (are_apart) by_group = std::async(std::launch::async, [=] { return track(*of_group, scan); });
-  const std::vector<TrackerReport> by_sensor = track(of_sensor, scan);
-  note(of_sensor, by_sensor);
-  use(of_sensor, by_sensor);
-  if (of_group != nullptr) {
-    if (!are_apart) transforms_.advanceTo(endOfWait(*of_group, scan));
-    const std::vector<TrackerReport> reports = are_apart ? by_group.get() : track(*of_group, scan);
-    note(*of_group, reports);
-    use(*of_group, reports);
+  ReplayTracker* const of_group = group == group_of_.end() ? nullptr : &groups_.at(group->second);
+  const bool group_waits_otherwise =
+      of_group != nullptr && of_group->component.tfTimeout() != of_sensor.component.tfTimeout();
+  const core::Time end_of_wait = endOfWait(of_sensor, scan);
+  if (has_positions_ || group_waits_otherwise || transforms_.bringsAny(end_of_wait)) finishRounds(0);
+  if (has_positions_) sendOverdueTracklets(toCore(scan->header.stamp));
+  transforms_.advanceTo(end_of_wait);
+  rounds_->begin(scan, topics_[scan->sensor], of_sensor);
+  if (group_waits_otherwise) {
+    rounds_->waitForAll();
+    transforms_.advanceTo(endOfWait(*of_group, scan));
+  }
+  if (of_group != nullptr) rounds_->beginGroup(*of_group);
+  finishRounds(has_positions_ || group_waits_otherwise ? 0 : ReplayRounds::kMost);
+}
+
+/// Until no more than `most` are under way. When a round is written does not depend on how fast the threads
+/// are.
+void Replay::finishRounds(std::size_t most) {
+  while (rounds_->count() > most) note(*rounds_->takeFirst());
+}
+
+void Replay::note(const ReplayRound& round) {
+  examination_.take(*round.scan, round.topic, "", core::Time{});
+  note(round.overdue_of_groups);
+  note(round.overdue_of_sensors);
+  note(*round.of_sensor, round.by_sensor);
+  for (const auto& [fused, stamp] : round.fused) note(fused, stamp);
+  if (has_positions_) locate(*round.of_sensor, round.by_sensor);
+  if (round.of_group != nullptr) {
+    note(*round.of_group, round.by_group);
+    if (has_positions_) locate(*round.of_group, round.by_group);
   }
   examination_.turn(transforms_.buffer(), commonFrame());
 }
 
-/// Until when a live tracker would have waited for the transform; here the wait costs nothing.
-core::Time Replay::endOfWait(const Tracker& tracker, const SightingArray::ConstPtr& scan) {
-  return toCore(scan->header.stamp) + core::durationOf(tracker.component.tfTimeout());
+void Replay::note(const OverdueTracklets& overdue) {
+  for (const auto& [tracker, tracklets] : overdue) output_.write(*tracklets, tracker->topics);
 }
 
-std::vector<TrackerReport> Replay::track(Tracker& tracker, const SightingArray::ConstPtr& scan) {
-  std::vector<TrackerReport> reports = tracker.component.onScan(scan, toCore(scan->header.stamp));
-  for (auto& report : tracker.component.onTransforms(endOfWait(tracker, scan)))
-    reports.push_back(std::move(report));
-  return reports;
-}
-
-void Replay::note(Tracker& tracker, const std::vector<TrackerReport>& reports) {
+void Replay::note(ReplayTracker& tracker, const std::vector<TrackerReport>& reports) {
   for (const auto& report : reports) {
     output_.write(report, tracker.component.name(), tracker.topics);
     if (tracker.smoothed) tracker.smoothed->keep(report);
@@ -288,17 +295,12 @@ void Replay::note(Tracker& tracker, const std::vector<TrackerReport>& reports) {
   }
 }
 
-/// What a tracker says goes to the fusion or, where there are positions, to their tracker.
-void Replay::use(const Tracker& tracker, const std::vector<TrackerReport>& reports) {
+/// What a tracker says goes to the tracker of positions.
+void Replay::locate(const ReplayTracker& tracker, const std::vector<TrackerReport>& reports) {
   if (!tracker.is_used) return;
   for (const TrackerReport& report : reports) {
     if (report.tracklets) sendTracklets(tracker, *report.tracklets);
-    if (!report.tracks) continue;
-    if (has_positions_)
-      locate(report.tracks, tracker.topics.tracks);
-    else
-      note(fusion_.onTracks(*report.tracks, tracker.topics.tracks, core::Time{}),
-           report.tracks->header.stamp);
+    if (report.tracks) locate(report.tracks, tracker.topics.tracks);
   }
 }
 
@@ -317,7 +319,7 @@ void Replay::note(const FusionResult& fused, const ros::Time& stamp) {
 
 /// One tracker after the other: what has been smoothed need not be kept.
 void Replay::writeSmoothed() {
-  withEachTracker([this](Tracker& tracker) {
+  withEachTracker([this](ReplayTracker& tracker) {
     if (!tracker.smoothed) return;
     output_.writeSmoothed(tracker.smoothed->smooth(), tracker.topics);
     tracker.smoothed.reset();
@@ -327,17 +329,17 @@ void Replay::writeSmoothed() {
   output_.writeSmoothed(smoothed_positions_->smooth());
 }
 
-/// As a node would by its clock: for trackers whose scans end or pause.
 void Replay::sendOverdueTracklets(core::Time now) {
-  withEachTracker([this, now](Tracker& tracker) {
-    const auto overdue = tracker.component.overdueTracklets(now);
-    if (!overdue) return;
-    output_.write(*overdue, tracker.topics);
-    sendTracklets(tracker, *overdue);
-  });
+  send(overdueOf(groups_, now));
+  send(overdueOf(trackers_, now));
 }
 
-void Replay::sendTracklets(const Tracker& tracker, const sightline::TrackletArray& tracklets) {
+void Replay::send(const OverdueTracklets& overdue) {
+  note(overdue);
+  for (const auto& [tracker, tracklets] : overdue) sendTracklets(*tracker, *tracklets);
+}
+
+void Replay::sendTracklets(const ReplayTracker& tracker, const sightline::TrackletArray& tracklets) {
   if (!tracker.is_used) return;
   if (!has_positions_)
     return noteRefusal(fusion_.onTracklets(tracklets, tracker.topics.tracklets, core::Time{}));

@@ -25,6 +25,37 @@ ros::Time bagTime(const ros::Time& stamp) {
   return std::max(stamp, ros::TIME_MIN);
 }
 
+constexpr double kReportPeriod = 1.0;  // of reports in which nothing is new [s]
+
+bool areSameTracks(const std::vector<sightline::SourceTrack>& a,
+                   const std::vector<sightline::SourceTrack>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const sightline::SourceTrack& one, const sightline::SourceTrack& other) {
+                      return one.id == other.id && one.tracker == other.tracker;
+                    });
+}
+
+bool areSameVerdicts(const std::vector<sightline::SensorHealth>& a,
+                     const std::vector<sightline::SensorHealth>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const sightline::SensorHealth& one, const sightline::SensorHealth& other) {
+                      return one.sensor == other.sensor && one.verdict == other.verdict &&
+                             one.undecided == other.undecided;
+                    });
+}
+
+/// Whether the same local tracks make the same global tracks, with the same verdicts on the sensors. Which
+/// ones belong to none changes all the time where there is clutter.
+bool saySame(const sightline::FusionReport& a, const sightline::FusionReport& b) {
+  return std::equal(a.tracks.begin(), a.tracks.end(), b.tracks.begin(), b.tracks.end(),
+                    [](const sightline::FusedTrack& one, const sightline::FusedTrack& other) {
+                      return one.id == other.id && one.rule == other.rule &&
+                             areSameTracks(one.sources, other.sources) &&
+                             areSameTracks(one.left_out, other.left_out) &&
+                             areSameVerdicts(one.sensors, other.sensors) && other.sensor_changes.empty();
+                    });
+}
+
 /// Whether a topic has this name, in which a * at the end stands for any rest.
 bool isNamed(const std::string& topic, const std::string& name) {
   if (name.empty() || name.back() != '*') return topic == name;
@@ -33,8 +64,12 @@ bool isNamed(const std::string& topic, const std::string& name) {
 
 }  // namespace
 
-ReplayOutput::ReplayOutput(rosbag::Bag& out, ReplaySummary& summary, const std::vector<std::string>& wanted)
-    : out_(out), summary_(summary), replaced_({kFusedTracks, kFusionReport, kReplayParameters}) {
+ReplayOutput::ReplayOutput(rosbag::Bag& out, ReplaySummary& summary, const std::vector<std::string>& wanted,
+                           bool all)
+    : out_(out),
+      summary_(summary),
+      replaced_({kFusedTracks, kFusionReport, kReplayParameters}),
+      is_complete_(all || !wanted.empty()) {
   for (const std::string& topic : wanted) wanted_[topic] = false;
 }
 
@@ -61,6 +96,28 @@ void ReplayOutput::replace(const TrackerTopics& topics) {
   replaced_.insert({topics.tracks, topics.tracklets, topics.associations, topics.smoothed});
 }
 
+void ReplayOutput::slowDown(const TrackerTopics& topics) {
+  if (is_complete_) return;
+  for (const std::string& tracks : {topics.tracks, topics.smoothed}) slow_[tracks] = ros::Time();
+}
+
+/// Whether a message with this stamp is written, with what belongs to it.
+bool ReplayOutput::isDue(const std::string& tracks_topic, const ros::Time& stamp) {
+  const auto last = slow_.find(tracks_topic);
+  if (last == slow_.end()) return true;
+  const bool is_due =
+      stamp < last->second || last->second.isZero() || stamp - last->second >= ros::Duration(1.0 / kSlowRate);
+  if (is_due) last->second = stamp;
+  return is_due;
+}
+
+bool ReplayOutput::isNews(const sightline::FusionReport::ConstPtr& report) {
+  const bool is_news = last_report_ == nullptr || !saySame(*last_report_, *report) ||
+                       report->header.stamp - last_report_->header.stamp >= ros::Duration(kReportPeriod);
+  if (is_news) last_report_ = report;
+  return is_news;
+}
+
 void ReplayOutput::writeParameters(const std::string& text, const ros::Time& begin) {
   std_msgs::String message;
   message.data = text;
@@ -79,7 +136,8 @@ void ReplayOutput::copy(const rosbag::MessageInstance& message) {
 
 void ReplayOutput::write(const TrackerReport& report, const std::string& tracker,
                          const TrackerTopics& topics) {
-  say(topics.associations, bagTime(report.scan->header.stamp), report.associations);
+  const bool is_due = !report.tracks || isDue(topics.tracks, report.tracks->header.stamp);
+  if (is_due) say(topics.associations, bagTime(report.scan->header.stamp), report.associations);
   if (!report.tracks) {
     summary_.noteDrop(tracker + ": scan dropped, " + report.refusal->kind,
                       exampleOf(*report.scan, report.refusal->detail));
@@ -90,16 +148,27 @@ void ReplayOutput::write(const TrackerReport& report, const std::string& tracker
                       exampleOf(*report.scan, firstRejection(*report.associations)), report.rejected);
   }
   if (report.tracklets) write(*report.tracklets, topics);
-  write(*report.tracks, topics.tracks);
+  if (is_due)
+    write(*report.tracks, topics.tracks);
+  else
+    summary_.left_out_messages += 2;
 }
 
 void ReplayOutput::write(const sightline::TrackletArray& tracklets, const TrackerTopics& topics) {
-  say(topics.tracklets, bagTime(tracklets.header.stamp), tracklets);
+  if (is_complete_)
+    say(topics.tracklets, bagTime(tracklets.header.stamp), tracklets);
+  else
+    ++summary_.left_out_messages;
 }
 
 void ReplayOutput::writeSmoothed(const std::vector<sightline::TrackArray>& tracks,
                                  const TrackerTopics& topics) {
-  for (const sightline::TrackArray& message : tracks) write(message, topics.smoothed);
+  for (const sightline::TrackArray& message : tracks) {
+    if (isDue(topics.smoothed, message.header.stamp))
+      write(message, topics.smoothed);
+    else
+      ++summary_.left_out_messages;
+  }
 }
 
 void ReplayOutput::writeSmoothed(const std::vector<sightline::PositionTrackArray>& positions) {
@@ -110,7 +179,10 @@ void ReplayOutput::writeSmoothed(const std::vector<sightline::PositionTrackArray
 }
 
 void ReplayOutput::write(const FusionResult& fused, const ros::Time& stamp) {
-  say(kFusionReport, bagTime(stamp), fused.report);
+  if (is_complete_ || isNews(fused.report))
+    say(kFusionReport, bagTime(stamp), fused.report);
+  else
+    ++summary_.left_out_messages;
   if (fused.tracks) write(*fused.tracks, kFusedTracks);
 }
 

@@ -1,11 +1,19 @@
 #include "sightline/ros/recordings/replay_parameters.h"
 
+#include <algorithm>
+
 #include <yaml-cpp/yaml.h>
 
+#include <rosbag/view.h>
+#include <std_msgs/String.h>
+
 #include "sightline/report/value_text.h"
+#include "sightline/ros/recordings/bags.h"
 
 namespace sightline_ros {
 namespace {
+
+const char* const kWrittenInPart = "--all: no\n";
 
 /// "[1, 2]" of a list, whatever its style in the file.
 std::string flowTextOf(const YAML::Node& node) {
@@ -24,6 +32,15 @@ void addLines(const std::string& name, const YAML::Node& node, std::string& text
 }
 
 }  // namespace
+
+bool isWrittenInPart(const rosbag::Bag& bag) {
+  rosbag::View view(bag, rosbag::TopicQuery(kReplayParameters));
+  return std::any_of(view.begin(), view.end(), [](const rosbag::MessageInstance& message) {
+    if (!message.isType<std_msgs::String>()) return false;
+    const auto told = messageIn<std_msgs::String>(message);
+    return told->data.find(kWrittenInPart) != std::string::npos;
+  });
+}
 
 ParamReader configurationOf(const ReplaySettings& settings) {
   return settings.config.empty() ? ParamReader(XmlRpc::XmlRpcValue(), "")
@@ -53,6 +70,7 @@ std::string parametersText(const ReplaySettings& settings) {
   if (settings.smooth) text += "--smooth: yes\n";
   if (settings.lag) text += "--lag: " + sightline::report::valueOf(*settings.lag, "s") + "\n";
   for (const std::string& topic : settings.topics) text += "--topics: " + topic + "\n";
+  if (settings.topics.empty()) text += settings.all ? "--all: yes\n" : kWrittenInPart;
   if (settings.live) text += "--live: yes\n";
   return text;
 }

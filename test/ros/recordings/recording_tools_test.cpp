@@ -57,6 +57,19 @@ class RecordingTools : public testing::Test {
   const std::string bag_ = folder_.file("in.bag"), tracked_ = folder_.file("tracked.bag");
 };
 
+TEST_F(RecordingTools, ReplaySaysWhatItDidNotWriteAndEvaluateThatItIsNotThere) {
+  ASSERT_EQ(run("csv_to_bag " + csv_ + " " + bag_).first, 0);
+  const std::string in_part = run("replay " + bag_ + " " + tracked_).second;
+  EXPECT_NE(in_part.find("messages not written"), std::string::npos) << in_part;
+  EXPECT_NE(run("evaluate " + tracked_).second.find("shorter breaks and changes are not seen"),
+            std::string::npos);
+  const std::string all = run("replay --all " + bag_ + " " + tracked_).second;
+  EXPECT_EQ(all.find("messages not written"), std::string::npos) << all;
+  EXPECT_EQ(run("evaluate " + tracked_).second.find("shorter breaks"), std::string::npos);
+  EXPECT_EQ(run("replay --all --topics /fusion/tracks " + bag_ + " " + tracked_).first, 2)
+      << "which of the two?";
+}
+
 TEST_F(RecordingTools, DoNotOverwriteTheirInput) {
   makeBags();
   const std::string config = folder_.write("config.yaml", "local_tracker: {}\n");

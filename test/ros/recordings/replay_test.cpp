@@ -125,6 +125,13 @@ std::size_t countOf(const std::string& file, const std::string& topic) {
   return rosbag::View(bag, rosbag::TopicQuery(topic)).size();
 }
 
+/// Every message is written.
+ReplaySettings everything() {
+  ReplaySettings settings;
+  settings.all = true;
+  return settings;
+}
+
 class Replay : public testing::Test {
  protected:
   std::string file(const std::string& name) const { return folder_.file(name); }
@@ -133,7 +140,7 @@ class Replay : public testing::Test {
 
 TEST_F(Replay, EveryScanGivesTracksOfItsSensorAndOfAllSensors) {
   record(file("in.bag"), 0.0, 1);
-  const ReplaySummary summary = replay(file("in.bag"), file("out.bag"), {});
+  const ReplaySummary summary = replay(file("in.bag"), file("out.bag"), everything());
   EXPECT_EQ(summary.scans, 400u);
   EXPECT_EQ(summary.sightings, 480u);
   EXPECT_TRUE(summary.drops.empty());
@@ -146,6 +153,44 @@ TEST_F(Replay, EveryScanGivesTracksOfItsSensorAndOfAllSensors) {
   EXPECT_GE(fusions, 200u);
   EXPECT_LE(fusions, 210u) << "one a round of both, and one a report until their pace is known";
   EXPECT_EQ(countOf(file("out.bag"), "/fusion/report"), fusions);
+}
+
+TEST_F(Replay, UnlessAllIsWantedWhatNobodyGoesOnWithIsWrittenSeldom) {
+  record(file("in.bag"), 0.0, 1);
+  const ReplaySummary all = replay(file("in.bag"), file("all.bag"), everything());
+  const ReplaySummary summary = replay(file("in.bag"), file("out.bag"), {});
+  const auto count = [&](const std::string& topic) { return countOf(file("out.bag"), topic); };
+  for (const char* topic : {"/fusion/tracks", "/sensors/left/tracks", "/sensors/left/associations", "/left"})
+    EXPECT_EQ(count(topic), countOf(file("all.bag"), topic)) << topic;
+  const std::size_t seldom = count("/sensor_fusion/tracks");
+  EXPECT_GE(seldom, 45u);
+  EXPECT_LE(seldom, 60u) << "ten a second";
+  EXPECT_EQ(count("/sensor_fusion/associations"), seldom) << "those of the tracks that are written";
+  EXPECT_GE(count("/fusion/report"), 6u) << "one a second";
+  EXPECT_LT(count("/fusion/report"), countOf(file("all.bag"), "/fusion/report") / 4);
+  EXPECT_EQ(count("/sensor_fusion/tracklets") + count("/sensors/left/tracklets"), 0u);
+  EXPECT_GT(summary.left_out_messages, 1000u);
+  EXPECT_EQ(all.left_out_messages, 0u);
+  rosbag::Bag one(file("all.bag")), other(file("out.bag"));
+  EXPECT_EQ(rosbag::View(one).size() - rosbag::View(other).size(), summary.left_out_messages);
+}
+
+TEST_F(Replay, AReportWithNewsIsWrittenAtOnce) {
+  record(file("in.bag"), 0.0, 1);
+  replay(file("in.bag"), file("all.bag"), everything());
+  replay(file("in.bag"), file("out.bag"), {});
+  const auto supported = [](const std::string& name) {  // since when there is a track of both sensors [s]
+    rosbag::Bag bag(name);
+    rosbag::View view(bag, rosbag::TopicQuery("/fusion/report"));
+    for (const rosbag::MessageInstance& message : view) {
+      const auto report = message.instantiate<sightline::FusionReport>();
+      for (const auto& track : report->tracks)
+        if (track.sources.size() == 2) return report->header.stamp.toSec();
+    }
+    return 0.0;
+  };
+  EXPECT_GT(supported(file("all.bag")), 0.0);
+  EXPECT_EQ(supported(file("out.bag")), supported(file("all.bag")));
 }
 
 TEST_F(Replay, OnlyWantedTopicsAreWrittenAndOneThatIsNoneIsSaid) {
@@ -183,8 +228,8 @@ TEST_F(Replay, TargetIsTrackedInTheTrackingFrameOfTheTurningPlatform) {
 
 TEST_F(Replay, TwoRunsGiveTheSameBytes) {
   record(file("in.bag"), 0.2, 1);
-  replay(file("in.bag"), file("one.bag"), {});
-  replay(file("in.bag"), file("two.bag"), {});
+  replay(file("in.bag"), file("one.bag"), everything());
+  replay(file("in.bag"), file("two.bag"), everything());
   const auto tracks = tracksIn(file("one.bag"));
   EXPECT_EQ(tracks.size(), 800u + countOf(file("one.bag"), "/fusion/tracks"));
   EXPECT_TRUE(tracks == tracksIn(file("two.bag")));
@@ -192,11 +237,11 @@ TEST_F(Replay, TwoRunsGiveTheSameBytes) {
 
 TEST_F(Replay, OrderOfArrivalWithinTheLagDoesNotChangeABit) {
   record(file("in.bag"), 0.0, 1);
-  replay(file("in.bag"), file("out.bag"), {});
+  replay(file("in.bag"), file("out.bag"), everything());
   const auto tracks = tracksIn(file("out.bag"));
   for (unsigned seed = 2; seed < 6; ++seed) {
     record(file("shuffled.bag"), 0.45, seed);
-    const auto summary = replay(file("shuffled.bag"), file("shuffled_out.bag"), {});
+    const auto summary = replay(file("shuffled.bag"), file("shuffled_out.bag"), everything());
     EXPECT_TRUE(summary.drops.empty());
     EXPECT_TRUE(tracks == tracksIn(file("shuffled_out.bag"))) << "seed " << seed;
   }
@@ -281,7 +326,7 @@ TEST_F(Replay, ARecordingOfALoopIsTrackedAgainFromItsStart) {
         bag.write("/tf", message.transforms[0].header.stamp + ros::Duration(later), message);
     }
   }
-  const ReplaySummary summary = replay(file("in.bag"), file("out.bag"), {});
+  const ReplaySummary summary = replay(file("in.bag"), file("out.bag"), everything());
   ASSERT_EQ(summary.notices.size(), 1u);
   EXPECT_NE(summary.notices[0].find("stamps went back by"), std::string::npos) << summary.notices[0];
   EXPECT_GT(countOf(file("out.bag"), "/sensor_fusion/tracks"), 780u)
@@ -334,7 +379,7 @@ TEST_F(Replay, EveryMessageThatIsNotReplacedIsCopied) {
     bag.write("/sensor_fusion/tracks", ros::Time(kStart + 1.0), old);
     bag.write("/truth", ros::Time(kStart + 1.0), old);
   }
-  const auto summary = replay(file("in.bag"), file("out.bag"), {});
+  const auto summary = replay(file("in.bag"), file("out.bag"), everything());
   EXPECT_EQ(summary.copied_messages, 400u + turningFrames().size() + 2u);
   EXPECT_EQ(countOf(file("out.bag"), "/left"), 200u);
   EXPECT_EQ(countOf(file("out.bag"), "/tf"), turningFrames().size());
@@ -370,7 +415,10 @@ TEST_F(Replay, FusedTrackKnowsWhatTheTrackerOverAllSensorsKnows) {
   const std::string stated = "{noise_calibration: {enabled: false}}";
   const std::string config =
       folder_.write("config.yaml", "local_tracker: " + stated + "\nsensor_fusion: " + stated + "\n");
-  replay(file("in.bag"), file("out.bag"), {config, "kalman", "", false});
+  ReplaySettings settings = everything();
+  settings.config = config;
+  settings.estimator = "kalman";
+  replay(file("in.bag"), file("out.bag"), settings);
   EXPECT_EQ(countOf(file("out.bag"), "/sensors/left/tracklets"), 200u);
   EXPECT_EQ(countOf(file("out.bag"), "/sensor_fusion/tracklets"), 400u);
   rosbag::Bag bag(file("out.bag"));
@@ -433,16 +481,18 @@ TEST_F(Replay, SaysWhatItWasToldOnce) {
   const std::string config = folder_.write("config.yaml",
                                            "local_tracker: {estimator: kalman, max_lag: 0.5}\n"
                                            "position_tracker: {frames: [a, b]}\n");
-  EXPECT_EQ(parametersText({config, "imm", "", true, false}),
-            "--config: " + config +
-                "\nlocal_tracker/estimator: kalman\nlocal_tracker/max_lag: 0.5\n"
-                "position_tracker/frames: [a, b]\n--estimator: imm\n--positions: no\n--live: yes\n");
+  EXPECT_EQ(
+      parametersText({config, "imm", "", true, false}),
+      "--config: " + config +
+          "\nlocal_tracker/estimator: kalman\nlocal_tracker/max_lag: 0.5\n"
+          "position_tracker/frames: [a, b]\n--estimator: imm\n--positions: no\n--all: no\n--live: yes\n");
   replay(file("in.bag"), file("out.bag"), {"", "imm", "", false});
   replay(file("out.bag"), file("again.bag"), {"", "kalman", "", false});
   rosbag::Bag bag(file("again.bag"));
   rosbag::View view(bag, rosbag::TopicQuery(kReplayParameters));
   ASSERT_EQ(view.size(), 1u) << "those of the replay before are replaced";
-  EXPECT_EQ(view.begin()->instantiate<std_msgs::String>()->data, "--config: none\n--estimator: kalman\n");
+  EXPECT_EQ(view.begin()->instantiate<std_msgs::String>()->data,
+            "--config: none\n--estimator: kalman\n--all: no\n");
 }
 
 TEST_F(Replay, WrongSettingsAreRefusedAndLeaveNothingBehind) {

@@ -124,7 +124,7 @@ TEST_F(SmoothedReplay, WritesTheTracksOnceMoreNearerToTheTargetsAndAllElseAsWith
 TEST_F(SmoothedReplay, TwoRunsGiveTheSameBytes) {
   recordSinusoid(file("in.bag"));
   ReplaySettings settings;
-  settings.smooth = true;
+  settings.smooth = settings.all = true;
   replay(file("in.bag"), file("one.bag"), settings);
   replay(file("in.bag"), file("two.bag"), settings);
   const auto one = messagesOf(file("one.bag"), "/sensor_fusion/tracks_smoothed");

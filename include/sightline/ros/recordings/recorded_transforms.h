@@ -32,6 +32,11 @@ class RecordedTransforms {
   /// Makes the transforms that are known at `time` available.
   void advanceTo(sightline::core::Time time);
 
+  /// Whether `advanceTo(time)` would bring any.
+  bool bringsAny(sightline::core::Time time) const {
+    return next_ < moving_.size() && moving_[next_].due <= time;
+  }
+
   /// Starts before the first again: for a recording whose stamps go back.
   void rewind();
 

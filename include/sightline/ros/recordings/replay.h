@@ -27,6 +27,10 @@ struct ReplaySettings {
   /// Of what trackers, fusion and positions say, only these topics are written; a * at the end of one stands
   /// for any rest of a name. Empty = all.
   std::vector<std::string> topics = {};
+  /// Every message is written, as it always is of `topics`. Otherwise, where `topics` is empty, tracks and
+  /// associations of a tracker that nobody goes on with (the one over all sensors) are written ten times a
+  /// second at most, reports of the fusion when something is new in them or once a second, and tracklets not.
+  bool all = false;
 };
 
 /// What a replay did.
@@ -35,6 +39,7 @@ struct ReplaySummary {
   std::size_t sightings = 0;
   std::size_t track_messages = 0;
   std::size_t copied_messages = 0;
+  std::size_t left_out_messages = 0;            ///< that ReplaySettings::all would write
   double recorded = 0.0;                        ///< from the first scan to the last [s]
   std::map<std::string, std::size_t> drops;     ///< "tracker: reason" to how often
   std::map<std::string, std::string> examples;  ///< likewise: the first one, with its values and the remedy

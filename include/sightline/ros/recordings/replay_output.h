@@ -7,6 +7,7 @@
 
 #include <rosbag/bag.h>
 #include <rosbag/message_instance.h>
+#include <sightline/FusionReport.h>
 #include <sightline/PositionTrackArray.h>
 #include <sightline/TrackArray.h>
 #include <sightline/TrackletArray.h>
@@ -17,6 +18,9 @@
 #include "sightline/ros/recordings/replay.h"
 
 namespace sightline_ros {
+
+/// Of the tracks that nobody goes on with, unless everything is to be written [1/s].
+constexpr double kSlowRate = 10.0;
 
 /// The topics on which a local tracker publishes.
 struct TrackerTopics {
@@ -32,11 +36,15 @@ struct TrackerTopics {
 /// Writes the bag of a replay and counts in its summary what is written.
 class ReplayOutput {
  public:
-  /// Bag and summary must outlive this. `wanted`: as ReplaySettings::topics.
-  ReplayOutput(rosbag::Bag& out, ReplaySummary& summary, const std::vector<std::string>& wanted);
+  /// Bag and summary must outlive this. `wanted`: as ReplaySettings::topics; `all`: likewise.
+  ReplayOutput(rosbag::Bag& out, ReplaySummary& summary, const std::vector<std::string>& wanted, bool all);
 
   /// The replay publishes on these topics: recorded messages on them are not copied.
   void replace(const TrackerTopics& topics);
+
+  /// Nobody goes on with what this tracker says: unless everything is to be written, it is at most
+  /// `kSlowRate` times a second.
+  void slowDown(const TrackerTopics& topics);
 
   /// What the replay was told, as `parametersText` gives it, at the time of the recording's first message.
   void writeParameters(const std::string& text, const ros::Time& begin);
@@ -70,11 +78,16 @@ class ReplayOutput {
   template <typename Message>
   void say(const std::string& topic, const ros::Time& time, const Message& message);
   void write(const sightline::TrackArray& tracks, const std::string& topic);
+  bool isDue(const std::string& tracks_topic, const ros::Time& stamp);
+  bool isNews(const sightline::FusionReport::ConstPtr& report);
 
   rosbag::Bag& out_;
   ReplaySummary& summary_;
-  std::set<std::string> replaced_;      // topics
-  std::map<std::string, bool> wanted_;  // and whether anything was written on them; none = all topics are
+  std::set<std::string> replaced_;         // topics
+  std::map<std::string, bool> wanted_;     // and whether anything was written on them; none = all topics are
+  bool is_complete_;                       // every message is written
+  std::map<std::string, ros::Time> slow_;  // last message written, by topic of tracks; 0 = none
+  sightline::FusionReport::ConstPtr last_report_;  // that was written
 };
 
 }  // namespace sightline_ros

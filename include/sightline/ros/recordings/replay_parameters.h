@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include <rosbag/bag.h>
+
 #include "sightline/ros/params/param_reader.h"
 #include "sightline/ros/recordings/replay.h"
 
@@ -16,6 +18,9 @@ inline bool isParameterTopic(const std::string& topic) {
 /// Topic (std_msgs/String) on which a replay says what it was told.
 constexpr const char* kReplayParameters = "/replay/parameters";
 
+/// Whether a replay wrote this recording, and not every message of its topics: see ReplaySettings::all.
+bool isWrittenInPart(const rosbag::Bag& bag);
+
 /// The configuration of a replay; empty where there is none. Throws ParamError.
 ParamReader configurationOf(const ReplaySettings& settings);
 
@@ -27,9 +32,9 @@ ParamReader sectionOf(const ParamReader& config, const std::string& name, const 
 ParamReader fusionSectionOf(const ParamReader& config, const ReplaySettings& settings);
 
 /// What a replay was told, one "name: value" a line: the configuration file, every value in it by its full
-/// name ("local_tracker/gate_probability: 0.99"), and --estimator, --rule, --positions and --live where they
-/// were given. What is not in it has its default. Throws ParamError or YAML::Exception for a file that cannot
-/// be read.
+/// name ("local_tracker/gate_probability: 0.99"), and --estimator, --rule, --positions, --topics and --live
+/// where they were given, and whether --all was. What is not in it has its default. Throws ParamError or
+/// YAML::Exception for a file that cannot be read.
 std::string parametersText(const ReplaySettings& settings);
 
 }  // namespace sightline_ros
