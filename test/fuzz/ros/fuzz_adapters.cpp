@@ -68,13 +68,20 @@ void requireSoundScan(const Reading& reading, const AdapterTopic& topic) {
 struct Sample {
   std::string type, definition;
   std::vector<std::uint8_t> bytes;
-  std::vector<std::string> paths;
+  std::string list;                  // an element for each sighting; empty = none
+  std::vector<std::string> numbers;  // of an element, or of the message where there is no list
+  std::vector<std::string> others;   // that are no numbers, no lists or not there
 };
 
 template <typename Message>
-Sample sampleOf(const Message& message, const std::vector<std::string>& paths) {
-  return {ros::message_traits::datatype<Message>(), ros::message_traits::definition<Message>(),
-          bytesOfMessage(message), paths};
+Sample sampleOf(const Message& message, const std::string& list, const std::vector<std::string>& numbers,
+                const std::vector<std::string>& others) {
+  return {ros::message_traits::datatype<Message>(),
+          ros::message_traits::definition<Message>(),
+          bytesOfMessage(message),
+          list,
+          numbers,
+          others};
 }
 
 const std::vector<Sample>& fieldSamples() {
@@ -92,15 +99,25 @@ const std::vector<Sample>& fieldSamples() {
     poses.header = tracks.header;
     for (int k = 0; k < 4; ++k) poses.poses.push_back(randomPose(input));
     return std::vector<Sample>{
-        sampleOf(tracks, {"tracks", "header", "azimuth", "elevation", "tracks[1].azimuth", "covariance[5]",
-                          "sources", "tracks.2.gate", "id", "existence"}),
-        sampleOf(odometry, {"header", "pose.pose.position.x", "pose/pose/position/y", "pose.covariance[35]",
-                            "pose.covariance", "child_frame_id", "twist.twist.angular.z"}),
-        sampleOf(poses, {"poses", "header", "position.x", "position.y", "position.z", "poses[3].position.x",
-                         "orientation", "poses[99].position.x"}),
+        sampleOf(tracks, "tracks",
+                 {"azimuth", "elevation", "covariance[0]", "covariance[5]", "gate.azimuth", "gate/elevation",
+                  "id", "existence"},
+                 {"tracks", "header", "tracks[1].azimuth", "sources", "tracks.2.gate"}),
+        sampleOf(odometry, "",
+                 {"pose.pose.position.x", "pose/pose/position/y", "pose.pose.position.z",
+                  "pose.covariance[35]", "pose.covariance[0]", "twist.twist.angular.z"},
+                 {"header", "pose.covariance", "child_frame_id", "pose.covariance[36]"}),
+        sampleOf(poses, "poses", {"position.x", "position.y", "position.z", "orientation.w"},
+                 {"poses", "header", "poses[3].position.x", "orientation", "poses[99].position.x"}),
     };
   }();
   return samples;
+}
+
+/// Paths that the sample's message has, in the places where they belong.
+void takeRealLists(RandomInput& input, const Sample& sample, FieldMap& fields) {
+  fields.each = sample.list;
+  fields.header = input.chance(0.8) ? "header" : "";
 }
 
 FieldMap randomFields(RandomInput& input, const std::vector<std::string>& paths) {
@@ -125,16 +142,25 @@ FieldMap randomFields(RandomInput& input, const std::vector<std::string>& paths)
   return fields;
 }
 
-sensor_msgs::CameraInfo randomCamera(RandomInput& input) {
+sensor_msgs::CameraInfo soundCamera() {
   sensor_msgs::CameraInfo camera;
-  camera.header = randomHeader(input);
-  camera.width = static_cast<std::uint32_t>(input.oneOf({640, 0, 1, -1}));
+  camera.header.frame_id = "camera";
+  camera.header.stamp = ros::Time(100, 0);
+  camera.width = 640;
   camera.height = 480;
-  camera.distortion_model =
-      input.oneOf<const char*>({"plumb_bob", "equidistant", "rational_polynomial", "", "none"});
+  camera.distortion_model = "plumb_bob";
   camera.K = {500.0, 0.0, 320.0, 0.0, 500.0, 240.0, 0.0, 0.0, 1.0};
   camera.R = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
   camera.P = {500.0, 0.0, 320.0, 0.0, 0.0, 500.0, 240.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+  return camera;
+}
+
+sensor_msgs::CameraInfo randomCamera(RandomInput& input) {
+  sensor_msgs::CameraInfo camera = soundCamera();
+  camera.header = randomHeader(input);
+  camera.width = static_cast<std::uint32_t>(input.oneOf({640, 0, 1, -1}));
+  camera.distortion_model =
+      input.oneOf<const char*>({"plumb_bob", "equidistant", "rational_polynomial", "", "none"});
   for (int count = input.oneOf({0, 4, 5, 8, 3}); count > 0; --count)
     camera.D.push_back(input.chance(0.8) ? 0.1 * input.normal() : randomNumber(input));
   if (input.chance(0.3)) camera.K[static_cast<std::size_t>(input.between(0, 8))] = randomNumber(input);
@@ -200,18 +226,24 @@ void readOne(const Message& message, AdapterTopic::Kind kind, const PixelRays* r
 }  // namespace
 
 void fuzzAdapterFields(RandomInput& input, Trial& trial) {
+  static const PixelRays rays(soundCamera(), false);
   for (int n = 20; n > 0; --n) {
     const Sample& sample = fieldSamples()[static_cast<std::size_t>(
         input.between(0, static_cast<int>(fieldSamples().size()) - 1))];
     AdapterTopic topic = randomTopic(input, AdapterTopic::Kind::fields);
     topic.type = sample.type;
-    topic.fields = randomFields(input, sample.paths);
-    const std::string definition = input.chance(0.2) ? mutated(input, sample.definition) : sample.definition;
+    const bool is_real = input.chance(0.85);
+    std::vector<std::string> paths = sample.numbers;
+    if (!is_real) paths.insert(paths.end(), sample.others.begin(), sample.others.end());
+    topic.fields = randomFields(input, paths);
+    if (is_real) takeRealLists(input, sample, topic.fields);
+    const std::string definition = input.chance(0.1) ? mutated(input, sample.definition) : sample.definition;
     std::vector<std::uint8_t> bytes = sample.bytes;
-    spoil(input, bytes);
+    if (input.chance(0.5)) spoil(input, bytes);
     trial.callThatRefuses<sightline_ros::FieldError>("read by fields", [&] {
       const sightline_ros::MessageLayout layout(sample.type, definition);
-      requireSoundScan(read({bytes.data(), bytes.size()}, layout, topic, nullptr), topic);
+      requireSoundScan(read({bytes.data(), bytes.size()}, layout, topic, input.chance(0.9) ? &rays : nullptr),
+                       topic);
     });
   }
 }
