@@ -113,6 +113,7 @@ bool ReplayOutput::isDue(const std::string& tracks_topic, const ros::Time& stamp
 
 bool ReplayOutput::isNews(const sightline::FusionReport::ConstPtr& report) {
   const bool is_news = last_report_ == nullptr || !saySame(*last_report_, *report) ||
+                       report->header.stamp < last_report_->header.stamp ||  // time has gone back
                        report->header.stamp - last_report_->header.stamp >= ros::Duration(kReportPeriod);
   if (is_news) last_report_ = report;
   return is_news;
