@@ -34,15 +34,8 @@ constexpr double kSettled = 1.0;  // [s] after the second station, from which a 
 /// One camera of the recording with its local tracker.
 struct Camera {
   core::LocalTracker tracker{core::LocalTrackerParams{}};
-  core::TrackletBuilder builder;
+  core::TrackletBuilder builder{core::TrackletParams{}};
   std::optional<core::Time> last;
-
-  Camera() : builder(params()) {}
-  static core::TrackletParams params() {
-    core::TrackletParams tracklets;
-    tracklets.interval = 0.1;
-    return tracklets;
-  }
 };
 
 double neesOf(const core::PositionTrack& track, const Vector& error) {
@@ -192,7 +185,7 @@ void simulate(const FieldScenario& scenario, int runs) {
       station.detection_probability = scenario.detection;
       station.clutter = scenario.clutter;
     }
-    test::SimulatedField field(stations, paths, seed);
+    test::SimulatedField field(stations, paths, seed, core::TrackletParams{}.interval);
     core::PositionTracker tracker;
     std::vector<core::PositionBound> bounds(static_cast<std::size_t>(scenario.targets),
                                             core::PositionBound(100.0, 10.0));

@@ -40,7 +40,7 @@ struct FieldMessage {
 class SimulatedField {
  public:
   SimulatedField(const std::vector<FieldStation>& stations, const std::vector<Path>& paths,
-                 std::uint64_t seed)
+                 std::uint64_t seed, double tracklet_interval = 0.1)
       : paths_(paths) {
     for (const FieldStation& station : stations) {
       // The station's x axis looks at the middle of the field.
@@ -49,7 +49,7 @@ class SimulatedField {
       pose.origin = station.origin;
       pose.R_metric_station = Eigen::AngleAxisd(azimuth, Eigen::Vector3d::UnitZ()).toRotationMatrix();
       core::TrackletParams tracklets;
-      tracklets.interval = 0.1;
+      tracklets.interval = tracklet_interval;  // [s]
       stations_.push_back({station, pose, core::LocalTracker(core::LocalTrackerParams{}),
                            core::TrackletBuilder(tracklets),
                            core::RandomStream(core::seedOf(seed, station.name)), station.phase});

@@ -66,9 +66,10 @@ double whiteEquivalent(double variance, double time_constant, double h) {
 
 std::vector<PositionModel> defaultPositionModels() {
   using Kind = PositionModel::Kind;
-  return {{Kind::white_acceleration, 1.0}, {Kind::white_acceleration, 30.0}, {Kind::white_acceleration, 1e3},
-          {Kind::white_acceleration, 3e4}, {Kind::white_jerk, 30.0},         {Kind::white_jerk, 1e3},
-          {Kind::white_jerk, 3e4},         {Kind::white_jerk, 1e6}};
+  std::vector<PositionModel> models;
+  for (const double ratio : {1.0, 1e1, 1e2, 1e3, 1e4}) models.push_back({Kind::white_acceleration, ratio});
+  for (const double ratio : {1e1, 1e2, 1e3, 1e4, 1e5, 1e6}) models.push_back({Kind::white_jerk, ratio});
+  return models;
 }
 
 PositionEstimator::PositionEstimator(const PositionEstimatorParams& params)
