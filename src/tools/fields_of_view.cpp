@@ -10,18 +10,22 @@
 namespace {
 
 const char* const kUsage =
-    "Usage: fields_of_view FILE.yaml...\n"
+    "Usage: fields_of_view [--positions] FILE.yaml...\n"
     "Prints the fields of view of a simulated scenario's sensors as a YAML list, for `fields_of_view` of a "
-    "tracker. Several files are merged as roslaunch does.\n";
+    "tracker. Several files are merged as roslaunch does.\n"
+    "  --positions  for `fields_of_view` of a position tracker: each sensor has a local tracker of its "
+    "name\n";
 
 void list(const std::vector<std::string>& words) {
   using namespace sightline_ros;
-  const sightline::report::CommandLine line(words, {}, 1, 10);
+  const sightline::report::CommandLine line(words, {}, 1, 10, {"--positions"});
+  const bool is_for_positions = line.has("--positions");
   const auto scenario = loadScenario(ParamReader::fromYamlFiles(line.arguments()));
   std::string separator;
   std::cout << std::fixed << std::setprecision(15) << "[";  // an exponent would make a string of it
   for (const auto& sensor : scenario.sensors) {
-    std::cout << separator << "{sensor: " << sensor.name
+    std::cout << separator << (is_for_positions ? "{tracker: " : "{sensor: ") << sensor.name
+              << (is_for_positions ? ", frame: " + sensor.name : "")
               << ", azimuth_half_width: " << sensor.field_of_view.x()
               << ", elevation_half_width: " << sensor.field_of_view.y() << "}";
     separator = ", ";

@@ -94,6 +94,7 @@ class SeenStation {
     track.covariance[10] = track.covariance[15] = 25.0 * kSigma * kSigma;
     track.last_sighting = stamp;
     track.hits = 10;
+    track.existence = 0.999;
     return array;
   }
 

@@ -36,7 +36,7 @@ std::shared_ptr<PositionEstimator> PositionScene::estimatorFrom(const std::set<V
 
 /// Two stations alone support it, and it is not confirmed yet.
 bool PositionScene::isOnProbation(const Target& target) {
-  return !target.is_confirmed && !target.lost && stationsOf(target) == 2;
+  return !target.is_confirmed && !target.lost && stationsOf(target).size() == 2;
 }
 
 /// Targets on probation are taken back when their tracks are explained as well, or better, by
@@ -103,7 +103,7 @@ void PositionScene::reviewPairs(Time now, const std::vector<LookingStation>& sta
   };
   std::vector<std::uint32_t> reviewed;
   for (const auto& [id, target] : targets_) {
-    if (free == 0 || !target.is_confirmed || target.lost || stationsOf(target) != 2) continue;
+    if (free == 0 || !target.is_confirmed || target.lost || stationsOf(target).size() != 2) continue;
     std::vector<LocalView> supporters;
     for (const ViewKey& key : target.supporters) {
       const Local& local = locals_.at(key);
@@ -170,7 +170,9 @@ void PositionScene::startTargets(Time now) {
     for (const ViewKey& key : std::set<ViewKey>(target.supporters))
       if (!members.count(key)) release(id, key);
     target.supporters = members;
-    target.log_odds = std::clamp(std::min(candidate.score, candidate.margin), 0.0, kMostLogOdds);
+    target.log_odds = std::clamp(std::min(candidate.score, candidate.margin), 0.0, kMostLogOdds) -
+                      logMissed(candidate.at.point, stations, stationsOf(target),
+                                params_->hypotheses.detection_probability);
     target.contradicted.clear();
     target.last_sighting = estimator->time().value_or(now);
     target.lost.reset();

@@ -38,6 +38,21 @@ struct ByHeight {
 
 }  // namespace
 
+double LookingStation::looksAt(const Eigen::Vector3d& point) const {
+  if (views.empty()) return kUnknownView;
+  const bool holds = std::any_of(views.begin(), views.end(),
+                                 [&](const FieldOfView& view) { return view.holds(point - origin); });
+  return holds ? 1.0 : 0.0;
+}
+
+double logMissed(const Eigen::Vector3d& point, const std::vector<LookingStation>& stations,
+                 const std::set<int>& seeing, double detection_probability) {
+  double sum = 0.0;
+  for (const LookingStation& station : stations)
+    if (!seeing.count(station.station)) sum += std::log1p(-station.looksAt(point) * detection_probability);
+  return sum;
+}
+
 PositionHypotheses::PositionHypotheses(const HypothesisParams& params) : params_(params) {
   const auto require = [](bool ok, const char* what) {
     if (!ok) throw std::invalid_argument(std::string("HypothesisParams: ") + what + " is required");
@@ -90,20 +105,9 @@ std::optional<Candidate> PositionHypotheses::score(const std::vector<const Local
   }
   score -=
       static_cast<double>(rays.size() - 1) * std::log(std::max(most_tracks, 1.0));  // which of them it is
-  for (const LookingStation& station : stations) {
-    const bool is_member = std::any_of(members.begin(), members.end(), [&](const LocalView* member) {
-      return member->key.station == station.station;
-    });
-    if (is_member) continue;
-    double looks = kUnknownView;
-    if (!station.views.empty()) {
-      const bool holds = std::any_of(
-          station.views.begin(), station.views.end(),
-          [&](const FieldOfView& view) { return view.holds(crossing.at.point - station.origin); });
-      looks = holds ? 1.0 : 0.0;
-    }
-    score += std::log1p(-looks * params_.detection_probability);
-  }
+  std::set<int> seeing;
+  for (const LocalView* member : members) seeing.insert(member->key.station);
+  score += logMissed(crossing.at.point, stations, seeing, params_.detection_probability);
   if (!std::isfinite(score) || !candidate.at.point.allFinite()) return std::nullopt;  // not comparable
   candidate.score = score;
   return candidate;

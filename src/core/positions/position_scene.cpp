@@ -202,17 +202,21 @@ bool PositionScene::speaksAt(const Local& local, Time now) {
 }
 
 /// How many support it.
-int PositionScene::stationsOf(const Target& target) {
+std::set<int> PositionScene::stationsOf(const Target& target) {
   std::set<int> stations;
   for (const ViewKey& key : target.supporters) stations.insert(key.station);
-  return static_cast<int>(stations.size());
+  return stations;
 }
 
-/// That its tracks are of one target, and not all of them false (P-17).
-double PositionScene::existenceOf(const Target& target) const {
+/// That its tracks are of one target, and not all of them false (P-17). `stations`: that look now.
+double PositionScene::existenceOf(const Target& target, const Eigen::Vector3d& position,
+                                  const std::vector<LookingStation>& stations) const {
   double all_false = 1.0;
   for (const ViewKey& key : target.supporters) all_false *= 1.0 - locals_.at(key).existence;
-  return (1.0 - all_false) / (1.0 + std::exp(-target.log_odds));
+  const double missed =
+      logMissed(position, stations, stationsOf(target), params_->hypotheses.detection_probability);
+  const double log_odds = std::clamp(target.log_odds + missed, 0.0, kMostLogOdds);
+  return (1.0 - all_false) / (1.0 + std::exp(-log_odds));
 }
 
 /// A local track no longer supports a target.
@@ -291,7 +295,7 @@ void PositionScene::forget(Time now) {
     }
     const auto state = target.estimator->stateAt(std::max(now, target.estimator->time().value_or(now)));
     const bool is_position = state && target.estimator->isPosition(*state);
-    const double confirm_after = stationsOf(target) > 2
+    const double confirm_after = stationsOf(target).size() > 2
                                      ? params_->confirm_after
                                      : std::max(params_->confirm_after, params_->confirm_pair_after);
     if (is_position && seconds(now - target.since) >= confirm_after) target.is_confirmed = true;
@@ -301,6 +305,7 @@ void PositionScene::forget(Time now) {
 PositionOutput PositionScene::output(Time time) const {
   PositionOutput out;
   out.tracks.time = time;
+  const std::vector<LookingStation> stations = lookingStations(time);
   for (const auto& [id, target] : targets_) {
     const auto state = target.estimator->stateAt(std::max(time, target.estimator->time().value_or(time)));
     if (!state || !target.estimator->isPosition(*state)) continue;
@@ -311,7 +316,7 @@ PositionOutput PositionScene::output(Time time) const {
     track.position = state->mean.head<3>();
     track.velocity = state->mean.tail<3>();
     track.covariance = state->covariance;
-    track.existence = existenceOf(target);
+    track.existence = existenceOf(target, track.position, stations);
     track.last_sighting = target.last_sighting;
     track.parallax = state->parallax;
     for (const ViewKey& key : target.supporters) track.sources.push_back(nameOf(key));

@@ -41,6 +41,7 @@ PositionTrackerComponent::PositionTrackerComponent(const ParamReader& reader, co
                                                    const tf2::BufferCore& transforms)
     : name_(trackerNameFrom(reader, name)),
       frames_(loadFrames(reader)),
+      views_(reader),
       max_trackers_(reader.integer("max_trackers", 128, 1, 1000000)),
       max_sensors_(reader.integer("max_sensors", 512, 1, 1000000)),
       params_(loadPositionTrackerParams(reader)),
@@ -90,9 +91,12 @@ void PositionTrackerComponent::releaseFirst(std::deque<Waiting>& messages, core:
     // Simulated time starts late, or goes back: the wait then counts from now.
     if (first.since == core::Time{} || first.since > now) first.since = now;
     const double waited = core::seconds(now - first.since);
-    if (isPoseKnown(header.frame_id, header.stamp, trackingFrame(), transforms_)) {
+    const bool is_known = isPoseKnown(header.frame_id, header.stamp, trackingFrame(), transforms_);
+    const bool is_overdue = waited >= frames_.tf_timeout;
+    if (is_known &&
+        (is_overdue || views_.areSettled(trackerOf(first.message), header, trackingFrame(), transforms_))) {
       results.push_back(track(first.message, first.topic));
-    } else if (waited >= frames_.tf_timeout) {
+    } else if (is_overdue) {
       results.push_back(resultOf(first.message, first.topic));
       results.back().refusals.push_back(withoutTransform(header, waited));
     } else {
@@ -199,6 +203,9 @@ void PositionTrackerComponent::takeTracks(const sightline::TrackArray& local, Po
     }
     tracks.tracks.push_back(std::move(track));
   }
+  StationViews::Found seen = views_.at(local.tracker, local.header, trackingFrame(), transforms_);
+  tracks.views = std::move(seen.views);
+  for (core::Refusal& why : seen.refusals) result.refusals.push_back(std::move(why));
   stations_[local.tracker] = tracks.pose.origin;
   result.used = tracks.tracks.size();
   auto answer = take(tracks, result);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "sightline/core/simulation/random_stream.h"
@@ -101,6 +102,44 @@ TEST(PositionScene, ExistenceIsThatOneOfTheTracksIsNotFalseAndThatTheyAreOfOneTa
   EXPECT_NEAR(three[0].existence, 0.999, 1e-3);
   EXPECT_GT(three[0].existence, pair[0].existence);
   EXPECT_LT(three[0].existence, 0.999);
+}
+
+/// Existence of a target that two stations see, while a third one without a track of it looks at `half_width`
+/// [rad] round a direction of its own; nothing known of its view where that is 0.
+double existenceWith(const Vector& looks_along, double half_width) {
+  PositionScene scene{PositionSceneParams{}};
+  Voice voice{scene};
+  voice.existence = 0.999;
+  for (int i = 1; i < 40; ++i) {
+    for (int station = 0; station < 2; ++station) voice.say(station, i * kStep, along(i * kStep), kVelocity);
+    StationTracks nothing;
+    nothing.tracker = "station_2";
+    nothing.time = Time(durationOf(i * kStep));
+    nothing.pose.origin = kOrigins[2];
+    if (half_width > 0.0) {
+      FieldOfView view;
+      view.R_sensor_tracking =
+          Eigen::Quaterniond::FromTwoVectors(looks_along, Vector::UnitX()).toRotationMatrix();
+      view.half_widths = {half_width, half_width};
+      nothing.views = {view};
+    }
+    scene.take(nothing);
+  }
+  const auto tracks = tracksAt(scene, 39 * kStep);
+  return tracks.size() == 1 ? tracks[0].existence : std::nan("");
+}
+
+TEST(PositionScene, AStationThatLooksAtATargetWithoutATrackOfItMakesItsExistenceLess) {
+  const Vector to_target = along(2.0) - kOrigins[2];
+  const double away = existenceWith(-to_target, 0.3), unknown = existenceWith(to_target, 0.0),
+               there = existenceWith(to_target, 0.3);
+  EXPECT_LT(there, unknown);
+  EXPECT_LT(unknown, away);
+  EXPECT_GT(away, 0.999) << "what it does not look at is not missed";
+  // By (1 - P_D) of 0.1 and, half of the time, 0.55; odds that the tracks are of two targets.
+  const auto odds = [](double existence) { return 1.0 / existence - 1.0; };
+  EXPECT_NEAR(odds(there) - odds(away), (odds(unknown) - odds(away)) * 9.0 / (1.0 / 0.55 - 1.0),
+              0.02 * odds(there));
 }
 
 TEST(PositionScene, TrackersThatStateNoExistenceTellHalfOfIt) {

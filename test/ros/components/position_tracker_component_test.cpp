@@ -149,6 +149,67 @@ TEST_F(PositionTrackerComponentTest, MovingStationCountsFromWhereItIsAtTheStamp)
   EXPECT_EQ(component_->stations().at("east").x(), latest_.tracks ? shipAt(5.0).x() : 0.0);
 }
 
+/// One more station sees nothing while the other two see the target.
+TEST_F(PositionTrackerComponentTest, TargetOutsideTheFieldOfViewOfAStationIsNotMissedByIt) {
+  const auto existenceWith = [this](const std::string& yaml) {
+    SetUp();
+    use(yaml);
+    stations_ = {{"west", {0.0, 0.0, 2.0}, 0.4, 1}, {"east", {80.0, 0.0, 1.0}, 2.5, 2}};
+    SeenStation north("north", {40.0, 90.0, 0.0}, 0.0, 3);
+    transforms_->setTransform(north.transform(ros::Time(kStart), "world"), "test", true);
+    // The eyes look south, to the target, and north.
+    for (const bool is_south : {true, false}) {
+      const SeenStation eye(is_south ? "south_eye" : "north_eye", {40.0, 90.0, 0.0},
+                            is_south ? -core::kPi / 2.0 : core::kPi / 2.0, 4);
+      transforms_->setTransform(eye.transform(ros::Time(kStart), "world"), "test", true);
+    }
+    for (int i = 0; i <= 40; ++i) {
+      see(0.05 * i);
+      auto nothing = north.tracks(ros::Time(kStart + 0.05 * i), targetAt(0.0), targetVelocityAt(0.0));
+      nothing.tracks.clear();
+      keep(component_->onTracks(boost::make_shared<sightline::TrackArray>(nothing), "/north/tracks", {}));
+    }
+    return latest_.tracks && latest_.tracks->tracks.size() == 1 ? latest_.tracks->tracks[0].existence : -1.0;
+  };
+  const auto viewOf = [](const std::string& frame) {
+    return "fields_of_view: [{tracker: north, frame: " + frame +
+           ", azimuth_half_width: 0.5, elevation_half_width: 0.5}]";
+  };
+  const double away = existenceWith(viewOf("north_eye")), there = existenceWith(viewOf("south_eye")),
+               unknown = existenceWith("{}");
+  EXPECT_GT(there, 0.0);
+  EXPECT_LT(there, unknown);
+  EXPECT_LT(unknown, away);
+  EXPECT_TRUE(refusals_.empty()) << detailOfLast();
+
+  const double without = existenceWith(viewOf("no_eye"));
+  EXPECT_EQ(without, unknown);
+  EXPECT_EQ(kindOfLast(), "no field of view");
+  EXPECT_NE(detailOfLast().find("no_eye"), std::string::npos) << detailOfLast();
+}
+
+TEST_F(PositionTrackerComponentTest, FieldOfViewThatTurnsIsWaitedForAndGivenUpAfterTheWait) {
+  use("{fields_of_view: [{tracker: west, frame: eye, azimuth_half_width: 0.5, elevation_half_width: 0.5}]}");
+  const SeenStation eye("eye", {0.0, 0.0, 2.0}, 0.4, 1);
+  transforms_->setTransform(eye.transform(ros::Time(kStart - 1.0), "world"), "test", false);
+  const auto offer = [this](double stamp) {
+    return component_->onTracks(boost::make_shared<sightline::TrackArray>(stations_[0].tracks(
+                                    ros::Time(stamp), targetAt(0.0), targetVelocityAt(0.0))),
+                                "/west/tracks", at(stamp));
+  };
+  EXPECT_TRUE(offer(kStart).empty());
+  transforms_->setTransform(eye.transform(ros::Time(kStart + 0.1), "world"), "test", false);
+  auto results = component_->onTransforms(at(kStart));
+  ASSERT_EQ(results.size(), 1u);
+  EXPECT_TRUE(results[0].refusals.empty());
+  EXPECT_TRUE(offer(kStart + 1.0).empty());
+  results = component_->onTransforms(at(kStart + 1.51));
+  ASSERT_EQ(results.size(), 1u);
+  EXPECT_EQ(results[0].used, 1u);
+  ASSERT_EQ(results[0].refusals.size(), 1u);
+  EXPECT_EQ(results[0].refusals[0].kind, "no field of view");
+}
+
 TEST_F(PositionTrackerComponentTest, MessagesWaitForTheirTransform) {
   useWithoutPlaces();
   const auto tracks = boost::make_shared<sightline::TrackArray>(

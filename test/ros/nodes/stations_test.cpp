@@ -71,6 +71,11 @@ TEST_F(Stations, ThreeDronesHaveTheirPositionsAndTheTableIsInMetres) {
     EXPECT_EQ(*launch.exitCode(), 0);
   }
   EXPECT_GT(reports, 100u);
+  XmlRpc::XmlRpcValue views;
+  ASSERT_TRUE(nh.getParam("/position_tracker/fields_of_view", views));
+  ASSERT_EQ(views.size(), 4);
+  EXPECT_EQ(static_cast<std::string>(views[3]["tracker"]), "camera_4");
+  EXPECT_EQ(static_cast<std::string>(views[3]["frame"]), "camera_4");
   EXPECT_GT(pictures, 10u);
   ASSERT_FALSE(truth_.empty());
   ASSERT_FALSE(positions_.empty());

@@ -127,6 +127,39 @@ TEST(PositionTrackerParams, ListOfModelsReplacesTheDefaultBank) {
   EXPECT_THROW(positionParamsOf("estimator: {models: [{kind: magic, ratio: 1.0}]}"), ParamError);
 }
 
+/// What is said about `fields_of_view`; empty when it is taken.
+std::string complaintAboutViews(const std::string& views) {
+  const ScratchFolder folder;
+  const ParamReader reader =
+      ParamReader::fromYaml(folder.write("params.yaml", "fields_of_view: " + views + "\n"));
+  const tf2::BufferCore transforms;
+  try {
+    const PositionTrackerComponent component(reader, "node", transforms);
+    reader.finish();
+  } catch (const ParamError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(PositionTrackerParams, FieldsOfViewAreReadAndBadOnesAreRefused) {
+  const std::string good = "{tracker: a, frame: eye, azimuth_half_width: deg(40), elevation_half_width: 0.3}";
+  EXPECT_EQ(complaintAboutViews("[]"), "");
+  EXPECT_EQ(
+      complaintAboutViews("[" + good + ", {tracker: a, azimuth_half_width: 0.5, elevation_half_width: 0.3}]"),
+      "");
+  EXPECT_NE(complaintAboutViews("[" + good + ", " + good + "]").find("is given twice"), std::string::npos);
+  for (const char* bad : {"{frame: eye, azimuth_half_width: 0.5, elevation_half_width: 0.3}",
+                          "{tracker: a, frame: /eye, azimuth_half_width: 0.5, elevation_half_width: 0.3}",
+                          "{tracker: a, azimuth_half_width: 3.2, elevation_half_width: 0.3}",
+                          "{tracker: a, azimuth_half_width: 0.5, elevation_half_width: 1.6}",
+                          "{tracker: a, azimuth_half_width: 0.0, elevation_half_width: 0.3}",
+                          "{tracker: a, azimuth_half_width: 0.5}",
+                          "{tracker: a, sensor: b, azimuth_half_width: 0.5, elevation_half_width: 0.3}"})
+    EXPECT_NE(complaintAboutViews(std::string("[") + bad + "]"), "") << bad;
+  EXPECT_NE(complaintAboutViews("{a: 1}"), "");
+}
+
 TEST(PositionTrackerParams, BadValuesAreRefused) {
   for (const char* yaml :
        {"max_relative_sigma: 1.0", "max_relative_sigma: 0.0", "max_lag: -1.0", "decision_interval: 0.0",

@@ -37,10 +37,12 @@ using sightline_ros::ReplaySummary;
 constexpr double kFieldStart = 100.0, kFieldDuration = 6.0;  // [s]
 
 /// Two stations, and a third sensor a centimetre beside the first where `with_third`, which the target's
-/// distance makes less than their sigma; scans come with a latency of up to `latency` [s].
-void record(const std::string& file, bool with_third = false, double latency = 0.0) {
+/// distance makes less than their sigma; scans come with a latency of up to `latency` [s]. A station in the
+/// north that sees nothing where `with_north`: it looks a radian past the target.
+void record(const std::string& file, bool with_third = false, double latency = 0.0, bool with_north = false) {
   std::vector<SeenStation> stations{{"west", {0.0, 0.0, 2.0}, 0.4, 1}, {"east", {80.0, 0.0, 1.0}, 2.5, 2}};
   if (with_third) stations.emplace_back("west_2", Eigen::Vector3d(0.01, 0.0, 2.0), 0.1, 3);
+  if (with_north) stations.emplace_back("north", Eigen::Vector3d(40.0, 90.0, 0.0), -0.6, 4);
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> later(0.0, latency);
   rosbag::Bag bag(file, rosbag::bagmode::Write);
@@ -51,8 +53,9 @@ void record(const std::string& file, bool with_third = false, double latency = 0
   for (int i = 0; 0.04 * i < kFieldDuration; ++i) {
     for (SeenStation& station : stations) {
       const ros::Time stamp(kFieldStart + 0.04 * i);
-      bag.write("/" + station.name(), stamp + ros::Duration(later(random)),
-                station.scan(stamp, targetAt(0.04 * i)));
+      sightline::SightingArray scan = station.scan(stamp, targetAt(0.04 * i));
+      if (station.name() == "north") scan.sightings.clear();
+      bag.write("/" + station.name(), stamp + ros::Duration(later(random)), scan);
     }
   }
 }
@@ -99,6 +102,24 @@ TEST(PositionReplay, SensorsThatStandApartGivePositionsAndNoFusedDirections) {
   }
   EXPECT_GE(count, 190);
   EXPECT_LT(worst, 0.3);
+}
+
+TEST(PositionReplay, FieldsOfViewOfStationsAreUsed) {
+  const ScratchFolder folder;
+  record(folder.file("in.bag"), false, 0.0, true);
+  const auto existenceWith = [&folder](const std::string& half_width) {
+    ReplaySettings settings;
+    settings.config = folder.write("config.yaml",
+                                   "position_tracker: {fields_of_view: [{tracker: eye of north, "
+                                   "azimuth_half_width: " +
+                                       half_width + ", elevation_half_width: 0.5}]}\n");
+    replay(folder.file("in.bag"), folder.file("out.bag"), settings);
+    const auto arrays = messagesOn<PositionTrackArray>("/positions/tracks", folder.file("out.bag"));
+    return arrays.empty() || arrays.back().tracks.size() != 1 ? -1.0 : arrays.back().tracks[0].existence;
+  };
+  const double outside = existenceWith("0.05"), inside = existenceWith("1.5");
+  EXPECT_GT(inside, 0.0);
+  EXPECT_GT(outside, inside);
 }
 
 TEST(PositionReplay, OrderOfArrivalChangesNoByte) {

@@ -3,6 +3,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,7 +21,15 @@ struct LookingStation {
   int station = 0;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [m]
   std::vector<FieldOfView> views;  ///< its `tracking` frame is the common one; empty = not known
+
+  /// Probability that it looks at a point [m]: 1/2 where its views are not known.
+  double looksAt(const Eigen::Vector3d& point) const;
 };
+
+/// Log of the probability that none of the stations has a track of a target at `point` [m], but those that
+/// are `seeing` it (by number) and do not count (P-10).
+double logMissed(const Eigen::Vector3d& point, const std::vector<LookingStation>& stations,
+                 const std::set<int>& seeing, double detection_probability);
 
 struct HypothesisParams {
   double gate = 5.0;                ///< of the plane test and of further rays [standard deviations], > 0

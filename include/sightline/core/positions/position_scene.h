@@ -132,7 +132,8 @@ class PositionScene {
     Time since{}, last_sighting{};  // `since`: has a position
     std::optional<Time> lost;       // when it became a direction
     bool is_confirmed = false;
-    double log_odds = 0.0;  // that its tracks are of one target and not of several
+    double log_odds = 0.0;  // that its tracks are of one target and not of several, but for stations that
+                            // look there without a track of it
   };
 
   int trackerNumber(const std::string& name);
@@ -140,9 +141,10 @@ class PositionScene {
   std::string nameOf(const ViewKey& key) const;
   void feed(Target& target, const StationMeasurement& measurement, double reference);
   static bool speaksAt(const Local& local, Time now);
-  static int stationsOf(const Target& target);
+  static std::set<int> stationsOf(const Target& target);
   void note(std::uint32_t target, Time taken, const StationMeasurement& measurement);
-  double existenceOf(const Target& target) const;
+  double existenceOf(const Target& target, const Eigen::Vector3d& position,
+                     const std::vector<LookingStation>& stations) const;
   void decide(Time now);
   LocalView viewAt(const Local& local, Time now) const;
   LocalView statedViewAt(const Local& local, Time now) const;

@@ -24,6 +24,7 @@
 #include "sightline/core/ordering/recoverable.h"
 #include "sightline/core/positions/position_tracker.h"
 #include "sightline/ros/components/simulated_clock.h"
+#include "sightline/ros/components/station_views.h"
 #include "sightline/ros/messages/frame_params.h"
 #include "sightline/ros/params/param_reader.h"
 
@@ -140,6 +141,7 @@ class PositionTrackerComponent {
 
   std::string name_;
   FrameChangeParams frames_;
+  StationViews views_;
   int max_trackers_, max_sensors_;
   sightline::core::PositionTrackerParams params_;
   const tf2::BufferCore& transforms_;
