@@ -21,13 +21,17 @@ constexpr double kClockStep = 1.0;      // backwards, from which a recording sta
 constexpr double kLookedAtRadius = 3.0 * core::kDegree;
 constexpr double kMainShell = 0.99;  // in front of all else; share of the radius
 constexpr double kOutlineStep = 4.0 * core::kDegree;
-constexpr std::size_t kMaxSensors = 64;  // at once; of others nothing is kept
+constexpr std::size_t kTrailPieces = 32;  // of a track: rviz takes time for each piece of a line
+constexpr std::size_t kMaxSensors = 64;   // at once; of others nothing is kept
 constexpr const char* kMagnifierChannel = "magnifier";
 
+/// By the newest sample and those before it, evenly thinned out.
 Directions trailOf(const std::deque<core::TruthSample>& path) {
+  const std::size_t every = (path.size() + kTrailPieces - 1) / kTrailPieces;
   Directions line;
-  line.reserve(path.size());
-  for (const core::TruthSample& sample : path) line.push_back(core::directionOf(sample.motion.head<2>()));
+  for (std::size_t back = 0; back < path.size(); back += every)
+    line.push_back(core::directionOf(path[path.size() - 1 - back].motion.head<2>()));
+  std::reverse(line.begin(), line.end());
   return line;
 }
 

@@ -13,8 +13,10 @@
 namespace sightline_ros {
 namespace {
 
-constexpr double kLineStep = 2.0 * sightline::core::kDegree;  // of curves along the sphere
-constexpr int kEllipseCorners = 36;
+constexpr double kLineStep = 2.0 * sightline::core::kDegree;      // of curves along the sphere
+constexpr double kGridStep = 5.0 * sightline::core::kDegree;      // of the grid's
+constexpr int kFewestCorners = 12, kMostCorners = 36;             // of an ellipse
+constexpr double kCornerDepth = 0.03 * sightline::core::kDegree;  // of an ellipse's rim within its chords
 constexpr double kTextHeight = 2.4 * sightline::core::kDegree;
 constexpr double kNameWidth = 11.0 * sightline::core::kDegree;   // half of a sensor's name, and a bit
 constexpr double kNameSpacing = 3.8 * sightline::core::kDegree;  // from line to line
@@ -27,6 +29,7 @@ constexpr double kTrailShell = 1.001;
 constexpr double kLineShell = 1.0;
 constexpr double kDotShell = 0.998;
 constexpr double kTextShell = 0.99;
+constexpr double kNameShell = 0.8;  // of sensors' names: texts face the camera, so one end is further off
 
 geometry_msgs::Point pointAt(const Canvas& canvas, const Eigen::Vector3d& direction, double shell) {
   const Eigen::Vector3d position = canvas.radius * shell * direction;
@@ -62,16 +65,24 @@ void drawGridLines(Marker& lines, const Canvas& canvas) {
   for (int azimuth = -180; azimuth < 180; azimuth += 30) {
     const double angle = azimuth * sightline::core::kDegree;
     const Directions meridian = gridLine({angle, -75.0 * sightline::core::kDegree},
-                                         {angle, 75.0 * sightline::core::kDegree}, kLineStep);
+                                         {angle, 75.0 * sightline::core::kDegree}, kGridStep);
     drawLine(lines, canvas, meridian, azimuth == 0 ? horizon : line);
   }
   for (int elevation = -75; elevation <= 75; elevation += 15) {
     const double angle = elevation * sightline::core::kDegree;
     if (elevation % 30 != 0 && std::abs(elevation) != 75) continue;
     drawLine(lines, canvas,
-             gridLine({-sightline::core::kPi, angle}, {sightline::core::kPi, angle}, kLineStep),
+             gridLine({-sightline::core::kPi, angle}, {sightline::core::kPi, angle}, kGridStep),
              elevation == 0 ? horizon : line);
   }
+}
+
+/// A rim of two sigma, of no more corners than can be seen: rviz takes time for each piece of a line.
+Directions twoSigmaOutline(const Eigen::Vector2d& angles, const Eigen::Matrix2d& covariance) {
+  const double radius = std::max(2.0 * semiAxes(covariance).x(), kCornerDepth);
+  const double corners = std::ceil(sightline::core::kPi / std::acos(1.0 - kCornerDepth / radius));
+  return ellipseOutline(angles, covariance, 2.0,
+                        std::clamp(static_cast<int>(corners), kFewestCorners, kMostCorners));
 }
 
 }  // namespace
@@ -140,12 +151,12 @@ void drawCross(Marker& lines, const Canvas& canvas, const Eigen::Vector2d& angle
 void drawUncertainty(Marker& lines, const Canvas& canvas, const sightline::core::AngularState& state,
                      const Colour& colour) {
   const Eigen::Matrix2d covariance = tangentCovariance(state.angles(), state.anglesCovariance());
-  drawLine(lines, canvas, ellipseOutline(state.angles(), covariance, 2.0, kEllipseCorners), colour);
+  drawLine(lines, canvas, twoSigmaOutline(state.angles(), covariance), colour);
 }
 
 void drawPrediction(Marker& lines, const Canvas& canvas, const sightline::core::AngularState& state,
                     double horizon, const Colour& colour) {
-  constexpr int kSteps = 20, kEllipseEvery = 5;
+  constexpr int kSteps = 8, kEllipseEvery = 2;
   // In the chart round the target constant rates are a motion, not a swing round the pole.
   const auto chart = sightline::core::Chart::around(sightline::core::directionOf(state.angles()));
   const sightline::core::AngularState start = chart.fromTracking(state);
@@ -155,7 +166,7 @@ void drawPrediction(Marker& lines, const Canvas& canvas, const sightline::core::
     way.push_back(chart.directionAt(later.angles()));
     if (step == 0 || step % kEllipseEvery != 0) continue;
     const Eigen::Matrix2d covariance = tangentCovariance(later.angles(), later.anglesCovariance());
-    Directions outline = ellipseOutline(later.angles(), covariance, 2.0, kEllipseCorners);
+    Directions outline = twoSigmaOutline(later.angles(), covariance);
     for (Eigen::Vector3d& corner : outline) corner = chart.R_chart_tracking().transpose() * corner;
     drawLine(lines, canvas, outline, dimmed(colour, 0.8 - 0.5 * step / kSteps));
   }
@@ -256,8 +267,10 @@ MarkerArray fieldOfViewMarkers(Canvas canvas, const FieldOfView& view, const Pla
   const double lines_up = 0.5 * static_cast<double>(place.count - 1) - static_cast<double>(place.index);
   const Eigen::Vector2d name(is_wide ? view.half_width.x() - kNameWidth : 0.0,
                              middle + lines_up * kNameSpacing);
+  Canvas nearer = canvas;  // in front of whatever lies there
+  nearer.radius *= kNameShell;
   array.markers.push_back(
-      textMarker(canvas, "name", 0, sightline::core::directionOf(name), view.sensor, kTextHeight, colour));
+      textMarker(nearer, "name", 0, sightline::core::directionOf(name), view.sensor, kTextHeight, colour));
   for (Marker& marker : array.markers) marker.frame_locked = true;
   return array;
 }

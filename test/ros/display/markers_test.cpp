@@ -93,6 +93,23 @@ TEST(Markers, UncertaintyIsRoundAndOfTheRightSizeAtAnyElevation) {
   }
 }
 
+TEST(Markers, SmallEllipsesHaveFewCornersAndNoChordLeavesTheRimVisibly) {
+  const Canvas canvas;
+  std::size_t fewer = 0;
+  for (const double sigma : {1e-3, 0.01, 0.05}) {
+    core::AngularState state = stateAt(0.3, 0.0, 0.0, 0.0);
+    state.covariance.topLeftCorner<2, 2>() = sigma * sigma * Eigen::Matrix2d::Identity();
+    Marker lines = sightline_ros::lineSheet(canvas, "ellipses", 0.01);
+    sightline_ros::drawUncertainty(lines, canvas, state, sightline_ros::mainColour());
+    EXPECT_GT(lines.points.size(), fewer) << sigma;
+    fewer = lines.points.size();
+    for (std::size_t i = 0; i + 1 < lines.points.size(); i += 2) {
+      const Eigen::Vector3d middle = positionOf(lines.points[i]) + positionOf(lines.points[i + 1]);
+      EXPECT_GT(core::angleBetween(middle, core::directionOf(state.angles())), 2.0 * sigma - 1e-3);
+    }
+  }
+}
+
 TEST(Markers, PredictionStartsAtTheTrackAndEndsWhereItsRatesLead) {
   const Canvas canvas;
   const core::AngularState state = stateAt(3.1, 0.2, 0.3, -0.1);  // across the wrap
@@ -177,6 +194,8 @@ TEST(Markers, FieldOfViewIsDrawnInTheSensorsFrame) {
     EXPECT_TRUE(marker.frame_locked);
   }
   EXPECT_EQ(array.markers[1].text, "left");
+  const geometry_msgs::Point& name = array.markers[1].pose.position;
+  EXPECT_LT(positionOf(name).norm(), 0.85 * canvas.radius);  // in front of sightings and of the inset
   double widest = 0.0, highest = 0.0;
   for (const geometry_msgs::Point& point : array.markers[0].points) {
     const Eigen::Vector2d angles = core::anglesOf(positionOf(point));
