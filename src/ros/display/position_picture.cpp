@@ -67,6 +67,8 @@ void PositionPicture::addTracks(const sightline::TrackArray& tracks, const core:
   if (!isFinite(pose.origin)) return;
   Station& station = trackers_[tracks.tracker];
   station.origin = pose.origin;
+  if (places_.count(tracks.tracker) > 0 || places_.size() < kMostDrawnTrackers)
+    places_[tracks.tracker] = pose.origin;
   station.arrival = now;
   station.rays.clear();
   for (const sightline::Track& track : tracks.tracks) {
@@ -156,18 +158,28 @@ void PositionPicture::forget(double now) {
   if (now - report_arrival_ > params_.silence) report_.reset();
 }
 
+/// Those whose fields of view are known; in a recording, which tells none, those of the local trackers.
+std::map<std::string, Eigen::Vector3d> PositionPicture::places() const {
+  if (stations_.empty()) return places_;
+  std::map<std::string, Eigen::Vector3d> places;
+  for (const StationView& station : stations_) places[station.sensor] = station.origin;
+  return places;
+}
+
 double PositionPicture::size() const {
   if (params_.size > 0.0) return params_.size;
   double size = 1.0;
-  for (const StationView& a : stations_)
-    for (const StationView& b : stations_) size = std::max(size, (a.origin - b.origin).norm());
+  const auto all = places();
+  for (const auto& [name, a] : all)
+    for (const auto& [other, b] : all) size = std::max(size, (a - b).norm());
   return size;
 }
 
 Eigen::Vector3d PositionPicture::middle() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const StationView& station : stations_) sum += station.origin;
-  if (!stations_.empty()) sum /= static_cast<double>(stations_.size());
+  const auto all = places();
+  for (const auto& [name, place] : all) sum += place;
+  if (!all.empty()) sum /= static_cast<double>(all.size());
   return sum;
 }
 
@@ -195,12 +207,12 @@ void PositionPicture::drawStations(MarkerArray& array, double now) const {
   faces.id = 1;
   Marker sightings = metricDots(c, "sightings", 0.008);
   int id = 0;
-  for (const StationView& station : stations_) {
-    const Colour colour = colours_.of(station.sensor);
-    drawPoint(places, station.origin, colour);
-    drawFieldOfView(views, faces, c, station, colour);
-    const Eigen::Vector3d below = station.origin - 0.04 * c.size * Eigen::Vector3d::UnitZ();
-    array.markers.push_back(metricText(c, "names", id++, below, station.sensor, 0.032, colour));
+  for (const StationView& station : stations_)
+    drawFieldOfView(views, faces, c, station, colours_.of(station.sensor));
+  for (const auto& [name, place] : this->places()) {
+    drawPoint(places, place, colours_.of(name));
+    const Eigen::Vector3d below = place - 0.04 * c.size * Eigen::Vector3d::UnitZ();
+    array.markers.push_back(metricText(c, "names", id++, below, name, 0.032, colours_.of(name)));
   }
   for (const Seen& seen : seen_) {
     const double freshness = std::clamp(1.0 - (now - seen.arrival) / params_.sighting_time, 0.0, 1.0);
@@ -248,7 +260,7 @@ void PositionPicture::drawPositions(MarkerArray& array) {
     std::nth_element(sigmas.begin(), sigmas.begin() + static_cast<long>(sigmas.size() / 2), sigmas.end());
     enlargement_ = enlargementFor(kEllipsoidSigmas * sigmas[sigmas.size() / 2], c.size, enlargement_);
   }
-  const double ground = stations_.empty() ? 0.0 : middle().z();
+  const double ground = middle().z();
   const bool is_crowd = positions_.newest.tracks.size() > kMostFullPositionLabels;
   for (const sightline::PositionTrack& message : positions_.newest.tracks) {
     const core::PositionTrack track = toCore(message);

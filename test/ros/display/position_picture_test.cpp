@@ -68,6 +68,22 @@ TEST(PositionPicture, SceneIsAsLargeAsTheStationsStandApartAndItsMiddleIsBetween
   EXPECT_EQ(markersOf(picture.draw(1.0)[PositionPicture::kStations], "names").size(), 2u);
 }
 
+TEST(PositionPicture, OfARecordingWithoutFieldsOfViewTheTrackersTellWhereTheStationsStand) {
+  PositionPicture picture(PositionPictureParams{}, SensorColours({"west", "east"}));
+  core::StationPose west, east;
+  east.origin = {100.0, 0.0, 0.0};
+  sightline::TrackArray tracks = localTracks();
+  picture.addTracks(tracks, west, 1.0);
+  tracks.tracker = "east";
+  picture.addTracks(tracks, east, 1.0);
+  EXPECT_NEAR(picture.size(), 100.0, 1e-9);
+  EXPECT_NEAR(picture.middle().x(), 50.0, 1e-9);
+  EXPECT_EQ(markersOf(picture.draw(1.0)[PositionPicture::kStations], "names").size(), 2u);
+  picture.draw(10.0);
+  picture.draw(0.0);  // the trackers are silent, and then the recording begins anew: the camera stays
+  EXPECT_NEAR(picture.size(), 100.0, 1e-9);
+}
+
 TEST(PositionPicture, RayOfATrackThatSupportsAPositionEndsThereAndTheOthersGoOn) {
   PositionPicture picture = twoStations();
   core::StationPose pose;

@@ -100,6 +100,7 @@ class PositionPicture {
   };
 
   MetricCanvas canvas() const;
+  std::map<std::string, Eigen::Vector3d> places() const;
   void restartWhenBack(double now);
   void forget(double now);
   void drawStations(MarkerArray& array, double now) const;
@@ -115,6 +116,7 @@ class PositionPicture {
   std::vector<sightline::core::Obstacle> obstacles_;
   std::deque<Seen> seen_;
   std::map<std::string, Station> trackers_;
+  std::map<std::string, Eigen::Vector3d> places_;  // of the trackers' stations, also of silent ones [m]
   Reported positions_, truth_;
   std::optional<sightline::PositionReport> report_;
   double report_arrival_ = 0.0;
