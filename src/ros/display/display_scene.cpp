@@ -21,13 +21,15 @@ constexpr double kClockStep = 1.0;      // backwards, from which a recording sta
 constexpr double kLookedAtRadius = 3.0 * core::kDegree;
 constexpr double kMainShell = 0.99;  // in front of all else; share of the radius
 constexpr double kOutlineStep = 4.0 * core::kDegree;
-constexpr std::size_t kTrailPieces = 32;  // of a track: rviz takes time for each piece of a line
-constexpr std::size_t kMaxSensors = 64;   // at once; of others nothing is kept
+constexpr std::size_t kTrailPieces = 640;  // of all trails together: rviz takes time for each piece of a line
+constexpr std::size_t kFewestTrailPieces = 32;  // of one of them
+constexpr std::size_t kMaxSensors = 64;         // at once; of others nothing is kept
 constexpr const char* kMagnifierChannel = "magnifier";
 
-/// By the newest sample and those before it, evenly thinned out.
-Directions trailOf(const std::deque<core::TruthSample>& path) {
-  const std::size_t every = (path.size() + kTrailPieces - 1) / kTrailPieces;
+/// By the newest sample and those before it, evenly thinned out where there are many `trails`.
+Directions trailOf(const std::deque<core::TruthSample>& path, std::size_t trails) {
+  const std::size_t pieces = std::max(kFewestTrailPieces, kTrailPieces / std::max<std::size_t>(trails, 1));
+  const std::size_t every = (path.size() + pieces - 1) / pieces;
   Directions line;
   for (std::size_t back = 0; back < path.size(); back += every)
     line.push_back(core::directionOf(path[path.size() - 1 - back].motion.head<2>()));
@@ -229,6 +231,7 @@ void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
   Marker trails = lineSheet(canvas, "histories", 0.4 * core::kDegree);
   Marker predictions = lineSheet(canvas, "predictions", 0.15 * core::kDegree);
   Marker sources = lineSheet(canvas, "sources", 0.2 * core::kDegree);
+  const std::size_t trails_drawn = establishedIn(tracker.newest());
   for (const sightline::Track& track : tracker.newest().tracks) {
     if (isHidden(kMainChannel, track.id)) continue;
     const core::AngularState state = toCore(track).state;
@@ -236,7 +239,7 @@ void DisplayScene::drawMainTracks(MarkerArray& array, double now) const {
     drawDot(dots, canvas, core::directionOf(state.angles()), colour);
     if (!isEstablished(track)) continue;
     drawUncertainty(ellipses, canvas, state, colour);
-    drawFadingLine(trails, canvas, trailOf(tracker.pathOf(track.id)), dimmed(colour, 0.8));
+    drawFadingLine(trails, canvas, trailOf(tracker.pathOf(track.id), trails_drawn), dimmed(colour, 0.8));
     drawPrediction(predictions, canvas, state, params_.prediction, dimmed(colour, 0.8));
     drawSources(sources, track, now);
   }
@@ -289,8 +292,9 @@ std::string DisplayScene::errorText(const sightline::Track& track) const {
 void DisplayScene::drawTruth(MarkerArray& array) const {
   Marker paths = lineSheet(params_.canvas, "paths", 0.12 * core::kDegree);
   Marker targets = lineSheet(params_.canvas, "targets", 0.3 * core::kDegree);
+  const std::size_t trails = truth_.newest().tracks.size();
   for (const sightline::Track& target : truth_.newest().tracks) {
-    drawFadingLine(paths, params_.canvas, trailOf(truth_.pathOf(target.id)), truthColour());
+    drawFadingLine(paths, params_.canvas, trailOf(truth_.pathOf(target.id), trails), truthColour());
     drawCross(targets, params_.canvas, {target.azimuth, target.elevation}, 4.0 * core::kDegree,
               truthColour());
   }

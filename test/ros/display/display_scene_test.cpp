@@ -358,7 +358,7 @@ TEST_F(Scene, PictureStaysBoundedWhateverComesIn) {
   const Sheets sheets = scene.draw(3.0);
   EXPECT_LE(sheets.size(), 70U);
   EXPECT_LE(find(sheets, "left", "sightings")->points.size(), 500U);
-  EXPECT_LE(find(sheets, DisplayScene::kMainChannel, "histories")->points.size(), 64U);
+  EXPECT_LE(find(sheets, DisplayScene::kMainChannel, "histories")->points.size(), 500U);
 }
 
 TEST(TrackDisplayParams, ShippedFileHoldsTheDefaults) {
