@@ -207,7 +207,9 @@ TEST(SixSensorAccuracy, ReplayOfTheRecordingHasTheErrorOfTheCore) {
     for (const core::Scan& scan : scansOf(scenarioOf(kPlayed)))
       bag.write(topicOf(scan.sensor), sightline_ros::toRos(scan.time), messageOf(scan));
   }
-  sightline_ros::replay(folder.file("in.bag"), folder.file("out.bag"), {"", kEstimator, ""});
+  sightline_ros::ReplaySettings settings{"", kEstimator, ""};
+  settings.all = true;
+  sightline_ros::replay(folder.file("in.bag"), folder.file("out.bag"), settings);
 
   Figures replayed(scenarioOf(kPlayed));
   rosbag::Bag bag(folder.file("out.bag"));
