@@ -61,7 +61,8 @@ class Drifting {
  private:
   static LiveTrack makeTrack(std::uint32_t id, double azimuth) {
     const Scan first = scanAt(0.0, {azimuth, 0.1});
-    return LiveTrack(id, {first.time, first.sensor}, first, first.sightings[0], makeEstimator(kalman()), 1e-3, usual());
+    return LiveTrack(id, {first.time, first.sensor}, first, first.sightings[0], makeEstimator(kalman()), 1e-3,
+                     usual());
   }
 
   double azimuth_;

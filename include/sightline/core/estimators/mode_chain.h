@@ -53,9 +53,9 @@ class ModeChain {
   ModeArray probabilities_;
 };
 
-/// The probabilities without those of the least probable modes that sum to at most `left_out`, below one; they
-/// sum to one again. Rates of an agile target, improbable as they are, would make the covariance of a mixture by
-/// themselves: what is left out is described no worse by a covariance without them.
+/// The probabilities without those of the least probable modes that sum to at most `left_out`, below one;
+/// they sum to one again. Rates of an agile target, improbable as they are, would make the covariance of a
+/// mixture by themselves: what is left out is described no worse by a covariance without them.
 ModeArray likelyShares(const ModeArray& probabilities, double left_out);
 
 /// Mean and covariance of a mixture (S-6). `weights`: an array that sums to one; a weight of zero leaves its

@@ -57,8 +57,8 @@ class ResponseBank {
   void step(const std::vector<ResponseModel>& models, double h, double unit, const BankAmplitude& amplitude,
             bool is_coupled);
 
-  /// Adds to a model's belief what white acceleration of spectral density `density` [rad^2/s^3] in both channels
-  /// has done to it in the last `h` seconds.
+  /// Adds to a model's belief what white acceleration of spectral density `density` [rad^2/s^3] in both
+  /// channels has done to it in the last `h` seconds.
   void addWhiteAcceleration(int model, double density, double h);
 
   /// The reduction (20)-(23) of each belief with a sighting, within the soft gate, and what a certain one

@@ -57,10 +57,10 @@ NogaConsistentParams bankOfSection43();
 /// followed by the propagation is the Kalman recursion; it is carried out in that form (a test holds the two
 /// equal). The channels stay apart, as cheap as two small filters, until a sighting couples them.
 ///
-/// Times in the settings are in units of time (RevisitTime), seconds for most sensors; of slower ones the most
-/// agile straight model of a bank that is free of scale expects targets that pass by (S-97). Each model learns the
-/// scale of the sightings' noise for itself (S-11), channel by channel: a model that explains the innovations
-/// by calm sightings and a lively target competes with one that explains them by the opposite.
+/// Times in the settings are in units of time (RevisitTime), seconds for most sensors; of slower ones the
+/// most agile straight model of a bank that is free of scale expects targets that pass by (S-97). Each model
+/// learns the scale of the sightings' noise for itself (S-11), channel by channel: a model that explains the
+/// innovations by calm sightings and a lively target competes with one that explains them by the opposite.
 class NogaConsistentEstimator final : public Estimator {
  public:
   /// Throws std::invalid_argument for a parameter out of range.

@@ -56,8 +56,9 @@ class NoiseLearning {
   /// The share that is left of a weight after `h` seconds.
   double faded(double h) const { return std::exp(-h / params_.memory); }
 
-  /// Log density of one channel's innovation by what was known before it (after `next`), given its square over
-  /// S and log S: Student's t, or the normal one where nothing is learnt. `Number`: double, or an array of them, of one model each.
+  /// Log density of one channel's innovation by what was known before it (after `next`), given its square
+  /// over S and log S: Student's t, or the normal one where nothing is learnt. `Number`: double, or an array
+  /// of them, of one model each.
   template <typename Number>
   Number logDensity(const Number& distance_squared, const Number& log_S) const {
     using std::log1p;
