@@ -16,3 +16,8 @@ inline std::pair<int, std::string> outcomeOf(const std::string& command) {
   const int status = pclose(pipe);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, printed};
 }
+
+/// Whether `evaluate --html` can make pages.
+inline bool hasPlotly() {
+  return outcomeOf("/usr/bin/python3 -c 'import plotly, numpy'").first == 0;
+}

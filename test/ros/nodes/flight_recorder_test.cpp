@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <std_srvs/Trigger.h>
 #include <string>
@@ -15,6 +17,7 @@
 
 #include "sightline/ros/nodes/flight_recorder_node.h"
 
+#include "support/command.h"
 #include "support/launch.h"
 #include "support/paths.h"
 #include "support/scratch_folder.h"
@@ -25,6 +28,19 @@ namespace files = std::filesystem;
 using sightline::Track;
 
 constexpr int kScans = 20;
+
+std_srvs::Trigger::Response save() {
+  std_srvs::Trigger call;
+  EXPECT_TRUE(ros::service::call("/flight_recorder/save", call));
+  return call.response;
+}
+
+/// Of a bag, messages of a topic.
+int count(const std::string& file, const std::string& topic) {
+  rosbag::Bag bag(file);
+  rosbag::View view(bag, rosbag::TopicQuery(topic));
+  return static_cast<int>(view.size());
+}
 
 /// The recorder, as a node or in the manager "nodelets", in a folder of its own.
 class FlightRecorder : public testing::TestWithParam<std::string> {
@@ -70,19 +86,6 @@ class FlightRecorder : public testing::TestWithParam<std::string> {
     scan.sensor = "left";
     sightings_.publish(scan);
     other_.publish(std_msgs::String());
-  }
-
-  static std_srvs::Trigger::Response save() {
-    std_srvs::Trigger call;
-    EXPECT_TRUE(ros::service::call("/flight_recorder/save", call));
-    return call.response;
-  }
-
-  /// Of a bag, messages of a topic.
-  static int count(const std::string& file, const std::string& topic) {
-    rosbag::Bag bag(file);
-    rosbag::View view(bag, rosbag::TopicQuery(topic));
-    return static_cast<int>(view.size());
   }
 
   std::vector<std::string> bagsOf(const std::string& kind) const {
@@ -154,6 +157,89 @@ TEST_P(FlightRecorder, SaysWhyNothingIsSaved) {
 
 INSTANTIATE_TEST_SUITE_P(NodeAndNodelet, FlightRecorder, testing::Values("", "nodelets"),
                          [](const auto& info) { return info.param.empty() ? "node" : "nodelet"; });
+
+const char* const kTrackerParameters = "/sensors/left/local_tracker/parameters";
+
+/// Messages with confirmed tracks of the tracker.
+int confirmedIn(const std::string& file) {
+  rosbag::Bag bag(file);
+  rosbag::View view(bag, rosbag::TopicQuery("/sensors/left/tracks"));
+  return static_cast<int>(std::count_if(view.begin(), view.end(), [](const auto& instance) {
+    const auto message = instance.template instantiate<sightline::TrackArray>();
+    return !message->tracks.empty() && message->tracks[0].status == Track::CONFIRMED;
+  }));
+}
+
+/// The parameters that a tracker with this configuration has said on its latched topic before the recorder
+/// started, and a bag of the recorder with them and with confirmed tracks.
+struct RecordedRun {
+  std::string said, bag;
+};
+RecordedRun recordTracker(const ScratchFolder& folder, const std::string& name, const std::string& config) {
+  RecordedRun run;
+  const Launch tracker("local_tracker.launch",
+                       {"space:=sensors/left", "sighting_topics:=[/sensors/left/sightings]",
+                        "config:=" + folder.write(name + ".yaml", config)});
+  const auto said =
+      ros::topic::waitForMessage<std_msgs::String>(kTrackerParameters, ros::Duration(kPatience));
+  if (!said) return run;
+  run.said = said->data;
+  const Launch recorder("flight_recorder.launch", {"folder:=" + folder.file(name)});
+  ros::NodeHandle nh;
+  ros::Publisher sightings = nh.advertise<sightline::SightingArray>("/sensors/left/sightings", 100);
+  sightline::SightingArray scan;
+  scan.header.frame_id = "platform_enu";
+  scan.sensor = "left";
+  scan.ifov = scan.detection_probability = scan.clutter_density = std::nan("");
+  scan.sightings.resize(1);
+  scan.sightings[0].covariance = {1e-6, 0.0, 0.0, 1e-6};
+  const auto publish = [&] {
+    scan.header.stamp = ros::Time::now();
+    sightings.publish(scan);
+  };
+  const auto isWhole = [&] {
+    if (!ros::service::exists("/flight_recorder/save", false)) return false;
+    const auto saved = save();
+    run.bag = saved.message;
+    return saved.success && count(run.bag, kTrackerParameters) > 0 && confirmedIn(run.bag) >= kScans;
+  };
+  EXPECT_TRUE(eventually(isWhole, publish, ros::WallDuration(0.05)));
+  return run;
+}
+
+std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+TEST(RecordedParameters, TheReportOfTwoLiveRecordingsTellsTheOneThatDiffers) {
+  const ScratchFolder folder;
+  const RecordedRun three = recordTracker(folder, "three", "lifecycle: {confirm_hits: 3}\n");
+  const RecordedRun four = recordTracker(folder, "four", "lifecycle: {confirm_hits: 4}\n");
+  for (const RecordedRun& run : {three, four}) {
+    ASSERT_NE(run.said, "");
+    rosbag::Bag bag(run.bag);
+    rosbag::View view(bag, rosbag::TopicQuery(kTrackerParameters));
+    ASSERT_EQ(view.size(), 1u);
+    EXPECT_TRUE((*view.begin()).isLatching());
+    EXPECT_EQ((*view.begin()).instantiate<std_msgs::String>()->data, run.said);
+  }
+  EXPECT_NE(three.said.find("lifecycle/confirm_hits: 3\n"), std::string::npos) << three.said;
+  EXPECT_NE(four.said.find("lifecycle/confirm_hits: 4\n"), std::string::npos) << four.said;
+
+  if (!hasPlotly()) GTEST_SKIP() << "no plotly: install python3-plotly";
+  const std::string page = folder.file("report.html");
+  const auto [code, printed] =
+      outcomeOf("rosrun sightline evaluate --html " + page + " " + three.bag + " --against " + four.bag);
+  ASSERT_EQ(code, 0) << printed;
+  const std::string text = textOfFile(page);
+  const std::string row = std::string("<td>") + kTrackerParameters + "</td>";
+  EXPECT_NE(text.find("<tr class=\"differs\">" + row + "<td>lifecycle/confirm_hits</td><td>3</td><td>4</td>"),
+            std::string::npos);
+  EXPECT_EQ(occurrences(text, "<tr class=\"differs\">" + row), 1u);
+  EXPECT_GT(occurrences(text, "<tr>" + row), 10u) << "those that are the same";
+}
 
 TEST(FlightRecorderParams, ShippedFileHoldsTheDefaults) {
   const auto reader = sightline_ros::ParamReader::fromYaml(sightline::test::sourceDirectory() +

@@ -30,10 +30,6 @@ using sightline_ros::writeReportData;
 
 const char* const kHostile = "cam,\"1\"</script><img src=x onerror=alert(1)>'&amp;";
 
-bool hasPlotly() {
-  return std::system("/usr/bin/python3 -c 'import plotly, numpy' 2>/dev/null") == 0;
-}
-
 sightline::Track trackAt(double azimuth, double sigma) {
   sightline::Track track;
   track.id = 7;
