@@ -1,11 +1,15 @@
 #include "sightline/ros/diagnosis/input_doctor.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <set>
 
 #include <ros/callback_queue.h>
 #include <ros/param.h>
 #include <ros/this_node.h>
 #include <ros/time.h>
+#include <sightline/PositionReport.h>
 
 #include "sightline/ros/messages/conversions.h"
 
@@ -16,6 +20,7 @@ constexpr std::uint32_t kDoctorQueue = 10000;  // messages a topic
 constexpr double kSecondsBetweenLooks = 0.5;   // at the graph
 constexpr double kSecondsForTransforms = 0.7;  // that may come so much later than their scans
 constexpr double kSecondsOfTransforms = 20.0;  // that are kept, beyond the time of looking
+constexpr double kOnePlatform = 10.0;          // [m], as the default of the fusion's max_baseline
 const char* const kUsualTrackingFrame = "platform_enu";
 
 }  // namespace
@@ -38,8 +43,13 @@ std::vector<Finding> InputDoctor::examine() {
   for (Finding& finding : findingsOf(graph_)) found.push_back(std::move(finding));
   for (Finding& finding : examination_.silentTopics(graph_, params_.seconds))
     found.push_back(std::move(finding));
-  for (Finding& finding : examination_.findings(transforms_, tracking_frame_, params_.limits))
+  for (Finding& finding : positions_.silentTopics(graph_, params_.seconds))
     found.push_back(std::move(finding));
+  InputLimits limits = params_.limits;
+  limits.stand_apart |= doSensorsStandApart();
+  for (Finding& finding : examination_.findings(transforms_, tracking_frame_, limits))
+    found.push_back(std::move(finding));
+  for (Finding& finding : positions_.findings()) found.push_back(std::move(finding));
   return found;
 }
 
@@ -78,6 +88,12 @@ void InputDoctor::listen() {
         if (is_listening_) examination_.take(*tracks, name);
       };
       subscribers_[name] = nh_.subscribe<sightline::TrackArray>(name, kDoctorQueue, take);
+    } else if (topic.type == "sightline/PositionReport") {
+      const boost::function<void(const sightline::PositionReport::ConstPtr&)> take =
+          [this, name](const auto& report) {
+            if (is_listening_) positions_.take(*report, name);
+          };
+      subscribers_[name] = nh_.subscribe<sightline::PositionReport>(name, kDoctorQueue, take);
     }
   }
 }
@@ -101,6 +117,24 @@ std::string InputDoctor::usedTrackingFrame() const {
   return std::max_element(votes.begin(), votes.end(),
                           [](const auto& a, const auto& b) { return a.second < b.second; })
       ->first;
+}
+
+/// Whether positions are told, or two sensors stand farther apart than one platform is long by the newest tf:
+/// then what they see is not in one direction.
+bool InputDoctor::doSensorsStandApart() const {
+  for (const GraphView::Topic& topic : positionReportTopics(graph_))
+    if (!topic.publishers.empty()) return true;
+  std::set<std::string> frames;
+  for (const InputExamination::Row& row : examination_.sensors())
+    frames.insert(row.record->frames().begin(), row.record->frames().end());
+  for (auto a = frames.begin(); a != frames.end(); ++a) {
+    for (auto b = std::next(a); b != frames.end(); ++b) {
+      if (!transforms_.canTransform(*a, *b, ros::Time(0))) continue;
+      const auto& offset = transforms_.lookupTransform(*a, *b, ros::Time(0)).transform.translation;
+      if (std::hypot(offset.x, offset.y, offset.z) > kOnePlatform) return true;
+    }
+  }
+  return false;
 }
 
 void InputDoctor::findClock(std::vector<Finding>& found) const {

@@ -196,6 +196,7 @@ std::string evaluate(const rosbag::Bag& bag, const BagEvaluationSettings& settin
   RecordingExaminationParams examination;
   examination.tracking_frame = truth.frame;
   examination.with_latency = false;
+  examination.with_positions = false;  // they are no input
   RecordingReader reader(bag, truth.frame.empty() ? trackingFrameOf(bag) : truth.frame);
   const std::string tables = has_truth ? compareWithTruth(reader, truth, settings, output)
                                        : compareWithSightings(reader, settings, output);

@@ -16,6 +16,7 @@ namespace sightline_ros {
 
 namespace core = sightline::core;
 using sightline::AssociationArray;
+using sightline::PositionReport;
 using sightline::SightingArray;
 using sightline::TrackArray;
 
@@ -65,6 +66,8 @@ RecordingExamination examineRecording(const rosbag::Bag& bag, const RecordingExa
       result.inputs.take(*messageOf<AssociationArray>(message), message.getTopic());
     } else if (message.isType<TrackArray>()) {
       result.inputs.take(*messageOf<TrackArray>(message), message.getTopic());
+    } else if (message.isType<PositionReport>()) {
+      result.positions.take(*messageOf<PositionReport>(message), message.getTopic());
     }
   }
   if (first) result.seconds = (*last - *first).toSec();
@@ -73,6 +76,9 @@ RecordingExamination examineRecording(const rosbag::Bag& bag, const RecordingExa
   limits.stand_apart = recordedStationsOf(bag, params.metric_frame).standApart();
   for (Finding& finding : result.inputs.findings(transforms.buffer(), result.tracking_frame, limits))
     result.findings.push_back(std::move(finding));
+  if (params.with_positions) {
+    for (Finding& finding : result.positions.findings()) result.findings.push_back(std::move(finding));
+  }
   return result;
 }
 

@@ -13,9 +13,11 @@
 #include <gtest/gtest.h>
 
 #include <ros/ros.h>
+#include <sightline/PositionReport.h>
 #include <sightline/SightingArray.h>
 
 #include "support/command.h"
+#include "support/position_reports.h"
 #include "support/received.h"
 #include "support/scans.h"
 
@@ -57,6 +59,10 @@ class Doctor : public testing::Test {
       return outcome.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     };
     const auto publishAll = [this] {
+      if (reports_) {
+        report_.header.stamp = ros::Time::now();
+        reports_.publish(report_);
+      }
       for (Sensor& sensor : sensors_) {
         const double now = ros::Time::now().toSec();
         SightingArray scan = scanOf(sensor.name, now, {sensor.target.at(now)});
@@ -77,6 +83,8 @@ class Doctor : public testing::Test {
 
   ros::NodeHandle nh_;
   std::vector<Sensor> sensors_;
+  ros::Publisher reports_;  // of positions, of `report_`; invalid = none
+  sightline::PositionReport report_;
 };
 
 TEST_F(Doctor, FindsNothingWrongWithGoodSensorsAndSaysSo) {
@@ -121,6 +129,29 @@ TEST_F(Doctor, SaysOfEveryBadSensorWhatIsWrongWithIt) {
     EXPECT_NE(said.find(words), std::string::npos) << words << "\n" << said;
   for (const char* good : {"WRONG  a on", "WRONG  b on", "WRONG  c on"})
     EXPECT_EQ(said.find(good), std::string::npos) << said;
+}
+
+TEST_F(Doctor, SaysWhatReportsTellOfStationsThatStandApart) {
+  addThreeGoodOnes();
+  add("elsewhere", topicOf("elsewhere"), [](SightingArray& scan) { scan.sightings[0].azimuth -= 2.5; });
+  EXPECT_NE(examine().second.find("elsewhere on /sensors/elsewhere/sightings: what it sees is"),
+            std::string::npos);
+  reports_ = nh_.advertise<sightline::PositionReport>("/positions/report", 100);
+  report_ = positionReport({"a", "b", "c"});
+  report_.positions.resize(1);
+  report_.stations[1].clock_behind = 0.0512;
+  report_.stations[1].clock_sigma = 0.0017;
+  report_.stations[1].corrected = true;
+  report_.unlocated = {unlocatedTrack("a/7", "one station only")};
+  const auto [code, said] = examine();
+  EXPECT_EQ(code, 1) << said;
+  EXPECT_EQ(numberAfter("WRONG  b in /positions/report: its clock is ", said), 0.0512) << said;
+  EXPECT_EQ(numberAfter("that are right (standard deviation ", said), 0.0017) << said;
+  EXPECT_EQ(numberAfter("note   c in /positions/report: its clock is ", said), 0.003) << said;
+  const double without = numberAfter("note   a in /positions/report: its a/7 for ", said);
+  EXPECT_GE(without, 1.0) << said;  // of the 4 s, less what passed before the doctor listened
+  EXPECT_LE(without, 4.5) << said;
+  EXPECT_EQ(said.find("from anything that the other sensors see"), std::string::npos) << said;
 }
 
 TEST_F(Doctor, RefusesWhatItDoesNotUnderstand) {

@@ -7,11 +7,13 @@
 
 #include <gtest/gtest.h>
 
+#include <sightline/PositionReport.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "sightline/ros/recordings/bags.h"
 #include "sightline/ros/recordings/replay.h"
 
+#include "support/position_reports.h"
 #include "support/scans.h"
 #include "support/scratch_folder.h"
 
@@ -43,6 +45,7 @@ class RecordingExaminationTest : public testing::Test {
     rosbag::Bag bag(folder_.file("in.bag"), rosbag::bagmode::Write);
     for (const Recorded& each : scans_)
       bag.write("/sensors/" + each.scan.sensor + "/sightings", ros::Time(each.received), each.scan);
+    for (const auto& report : reports_) bag.write("/positions/report", report.header.stamp, report);
     for (const auto& message : transforms_) bag.write("/tf", message.transforms[0].header.stamp, message);
     return folder_.file("in.bag");
   }
@@ -58,6 +61,7 @@ class RecordingExaminationTest : public testing::Test {
   ScratchFolder folder_;
   std::vector<Recorded> scans_;
   std::vector<tf2_msgs::TFMessage> transforms_;
+  std::vector<sightline::PositionReport> reports_;
 };
 
 TEST_F(RecordingExaminationTest, FindsNothingWrongWithGoodSensors) {
@@ -112,6 +116,31 @@ TEST_F(RecordingExaminationTest, CamerasBackToBackAreANoteAtMost) {
 TEST_F(RecordingExaminationTest, ARecordingWithoutScansIsWrong) {
   EXPECT_NE(said().find("WRONG  sightings: nobody publishes sightline/SightingArray"), std::string::npos)
       << said();
+}
+
+TEST_F(RecordingExaminationTest, ReportsOfPositionsAreReadUnlessTheyAreNotAskedFor) {
+  look("west");
+  look("east");
+  for (int k = 0; k < 30; ++k) {
+    reports_.push_back(positionReport({"west", "east", "north"}));
+    sightline::PositionReport& report = reports_.back();
+    report.header.stamp = ros::Time(kExaminedStart + 0.1 * k);
+    report.positions.resize(1);
+    report.unlocated = {unlocatedTrack("west/4", "one station only")};
+    report.stations[1].clock_behind = 0.001 * k;  // the last report counts
+    report.stations[1].corrected = true;
+  }
+  const std::string words = said();
+  EXPECT_NE(words.find("WRONG  east in /positions/report: its clock is 0.029 s behind those of the stations "
+                       "that are right (standard deviation 0.002 s)"),
+            std::string::npos)
+      << words;
+  EXPECT_NE(words.find("note   north in /positions/report: its clock is 0.003 s ahead"), std::string::npos)
+      << words;
+  EXPECT_NE(words.find("west/4 for 2.9 s had no position"), std::string::npos) << words;
+  RecordingExaminationParams inputs_alone;
+  inputs_alone.with_positions = false;
+  EXPECT_EQ(said(inputs_alone), "");
 }
 
 /// A recording of one sensor, as `replay` and `evaluate` see it.

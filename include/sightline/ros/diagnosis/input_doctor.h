@@ -14,6 +14,7 @@
 
 #include "sightline/ros/diagnosis/graph_view.h"
 #include "sightline/ros/diagnosis/input_examination.h"
+#include "sightline/ros/diagnosis/position_examination.h"
 #include "sightline/ros/diagnosis/sensor_record.h"
 #include "sightline/ros/diagnosis/transform_subscriber.h"
 
@@ -25,7 +26,8 @@ struct DoctorParams {
   InputLimits limits;
 };
 
-/// Subscribes to everything that has to do with sightings for some time, and reports what is wrong.
+/// Subscribes to everything that has to do with sightings and to the reports of positions for some time, and
+/// reports what is wrong.
 class InputDoctor {
  public:
   InputDoctor(const ros::NodeHandle& nh, const DoctorParams& params);
@@ -42,6 +44,7 @@ class InputDoctor {
   void lookFor(double seconds);
   void onScan(const ros::MessageEvent<sightline::SightingArray const>& event, const std::string& topic);
   std::string usedTrackingFrame() const;
+  bool doSensorsStandApart() const;
   void findClock(std::vector<Finding>& found) const;
 
   ros::NodeHandle nh_;
@@ -50,6 +53,7 @@ class InputDoctor {
   std::string tracking_frame_;
   tf2::BufferCore transforms_;
   InputExamination examination_;
+  PositionExamination positions_;
   bool is_listening_ = true;
   ros::Time first_now_;                                 // of ROS's clock
   std::map<std::string, ros::Subscriber> subscribers_;  // by topic

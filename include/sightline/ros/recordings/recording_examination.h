@@ -7,6 +7,7 @@
 
 #include "sightline/ros/diagnosis/graph_view.h"
 #include "sightline/ros/diagnosis/input_examination.h"
+#include "sightline/ros/diagnosis/position_examination.h"
 
 namespace sightline_ros {
 
@@ -14,6 +15,7 @@ namespace sightline_ros {
 struct RecordingExamination {
   GraphView graph;  ///< the topics, and who published them; a topic without a known publisher is its own
   InputExamination inputs;
+  PositionExamination positions;
   std::string tracking_frame;
   double seconds = 0.0;           ///< from the first scan's arrival to the last's
   std::vector<Finding> findings;  ///< as the doctor's of a live graph
@@ -24,10 +26,12 @@ struct RecordingExaminationParams {
   std::string metric_frame = "world";  ///< in which it is told whether the sensors stand apart
   bool with_latency =
       true;  ///< whether the times of arrival are examined, which matter to live trackers only
+  bool with_positions = true;  ///< whether the findings say what the reports of positions tell
   InputLimits limits;
 };
 
-/// Examines the scans, associations, tracks and transforms of a recording. Throws std::runtime_error.
+/// Examines the scans, associations, tracks, reports of positions and transforms of a recording. Throws
+/// std::runtime_error.
 RecordingExamination examineRecording(const rosbag::Bag& bag, const RecordingExaminationParams& params = {});
 
 /// A line for each thing that is wrong with the inputs, and for each sensor whose sightings start tracks that
