@@ -255,8 +255,8 @@ std::string innovationTable(const std::map<std::string, core::InnovationStatisti
   std::vector<Cells> table = {
       {"associations", "accepted", "NIS [95 % band]", "outside gate", "claimed", "started", "rejected"}};
   for (const auto& [topic, statistics] : innovations) {
-    const auto count = [&statistics](core::Decision decision) {
-      return std::to_string(statistics.count(decision));
+    const auto count = [&counts = statistics](core::Decision decision) {
+      return std::to_string(counts.count(decision));
     };
     const double degrees = 2.0 * static_cast<double>(statistics.count(core::Decision::accepted));
     table.push_back({"  " + topic, count(core::Decision::accepted), withBand(statistics.nis(), degrees),
