@@ -77,7 +77,7 @@ std::optional<Refusal> PositionTracker::onTracks(const StationTracks& tracks) {
     return Refusal{"invalid", "pose of the station is not finite, or its rotation is none: see its tf"};
   if (auto refusal = admit(tracks.tracker, "")) return refusal;
   auto refusal = insert({tracks.time, tracks});
-  if (!refusal) reported_ = std::max(reported_.value_or(tracks.time), tracks.time);
+  if (!refusal) has_tracks_ = true;
   return refusal;
 }
 
@@ -115,8 +115,8 @@ std::optional<PositionOutput> PositionTracker::report() {
     closed_ = items_[items_.open()].item.time;
     items_.dropClosed();
   }
-  if (!reported_) return std::nullopt;
-  return scene_.output(*reported_);
+  if (!has_tracks_) return std::nullopt;
+  return scene_.output(*newest_);
 }
 
 }  // namespace sightline::core

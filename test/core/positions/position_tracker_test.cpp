@@ -86,6 +86,34 @@ TEST(PositionTracker, OneTargetOfTwoStationsGetsOneConfirmedPositionWithAnHonest
   EXPECT_LT(nees / count, 1.6);
 }
 
+TEST(PositionTracker, PositionsAreForATimeNotBeforeWhatWasTakenThoughAStationsTracksComeLate) {
+  const std::vector<Path> paths{circle({45, 55, 25}, 15, 1.0, 0.0)};  // 15 m/s
+  SimulatedField field(test::fieldStations(3), paths, 1);
+  PositionTracker tracker;
+  std::vector<StationTracks> late;
+  double next = 3.0;
+  int count = 0;
+  for (FieldMessage message = field.next(); message.time < 6.0; message = field.next()) {
+    EXPECT_TRUE(tracker.onTracklets(message.tracklets).empty()) << message.time;
+    late.push_back(message.tracks);
+    while (!late.empty() && message.time - seconds(late.front().time.time_since_epoch()) > 0.2) {
+      EXPECT_FALSE(tracker.onTracks(late.front())) << message.time;
+      late.erase(late.begin());
+    }
+    if (message.time < next) continue;
+    next += 0.1;
+    const auto output = tracker.report();
+    ASSERT_TRUE(output);
+    for (const PositionTrack& track : output->tracks.tracks) {
+      const double time = seconds(output->tracks.time.time_since_epoch());
+      EXPECT_GE(output->tracks.time, track.last_sighting);
+      EXPECT_LT((track.position - paths[0](time)).norm(), 0.4) << "15 m/s in 0.2 s are 3 m";
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 20);
+}
+
 struct SwarmFigures {
   double found = 0.0, ghosts = 0.0;  // share of the targets' time; of the tracks' time
   int changes = 0;                   // of id

@@ -35,7 +35,8 @@ class PositionTracker {
   /// Of each tracklet that is not used, why.
   std::vector<Refusal> onTracklets(const std::vector<StationTracklet>& tracklets);
 
-  /// The positions at the time of the newest tracks; nothing before the first.
+  /// The positions at the time of the newest tracks or tracklets, of whatever station: those of another may
+  /// come late. Nothing before the first tracks.
   std::optional<PositionOutput> report();
 
   /// From now on keeps what targets are updated with, for a smoother; it must be handed out after reports.
@@ -65,7 +66,7 @@ class PositionTracker {
   std::optional<Time> closed_;                           // nothing can be put before it
   Time handed_out_ = Time::min();                        // measurements taken before it have been handed out
   std::optional<Time> newest_;                           // of all items
-  std::optional<Time> reported_;                         // of the newest tracks
+  bool has_tracks_ = false;                              // whether tracks have been taken
   std::set<std::pair<std::string, std::string>> names_;  // of trackers and sensors that have been admitted
 };
 
