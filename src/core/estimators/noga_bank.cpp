@@ -1,7 +1,6 @@
 #include "sightline/core/estimators/noga_bank.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace sightline::core {
 namespace {
@@ -205,14 +204,12 @@ void ResponseBank::step(const std::vector<ResponseModel>& models, double h, doub
   }
 }
 
-void ResponseBank::addWhiteAcceleration(int model, double density, double h) {  // (S-17)
-  const double age = std::abs(h);
+void ResponseBank::addWhiteAcceleration(int model, double density, double h) {
+  const Eigen::Matrix2d noise = whiteAccelerationNoise(h, density);
   const int lane = model % kLanes;
-  for (Channel& channel : blocks_[static_cast<std::size_t>(model / kLanes)].channel) {
-    channel.covariance(0, 0)(lane) += density * age * age * age / 3.0;
-    channel.covariance(0, 1)(lane) += density * h * age / 2.0;
-    channel.covariance(1, 1)(lane) += density * age;
-  }
+  for (Channel& channel : blocks_[static_cast<std::size_t>(model / kLanes)].channel)
+    for (int i = 0; i < 2; ++i)
+      for (int j = i; j < 2; ++j) channel.covariance(i, j)(lane) += noise(i, j);
 }
 
 /// The steps of both channels of a block, by the models.

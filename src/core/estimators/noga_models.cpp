@@ -16,20 +16,25 @@ constexpr double kFixedKappaSigma = 4.0;  // of the kappa that a fixed harmonic 
 
 /// Constant velocity with white acceleration; of acceleration and kappa, of which it knows nothing, it says
 /// N(0, sigma^2) each.
-// (S-17)
 Transition straightStep(double h, double q) {
-  const double age = std::abs(h);
   Transition step;
   step.mean.setZero();
   step.F.setZero();
   step.F.topLeftCorner<2, 2>() << 1.0, h, 0.0, 1.0;
   step.Q.setZero();
-  step.Q.topLeftCorner<2, 2>() << q * age * age * age / 3.0, q * h * age / 2.0, q * h * age / 2.0, q * age;
+  step.Q.topLeftCorner<2, 2>() = whiteAccelerationNoise(h, q);
   step.Q(2, 2) = step.Q(3, 3) = kUnusedSigma * kUnusedSigma;
   return step;
 }
 
 }  // namespace
+
+Eigen::Matrix2d whiteAccelerationNoise(double h, double q) {  // (S-17)
+  const double age = std::abs(h);
+  Eigen::Matrix2d noise;
+  noise << q * age * age * age / 3.0, q * h * age / 2.0, q * h * age / 2.0, q * age;
+  return noise;
+}
 
 std::vector<ResponseModel> defaultResponseModels() {
   return {{ResponseModel::Kind::straight, 1e-8, 0.0, 0.0, 1.0, 0.4},

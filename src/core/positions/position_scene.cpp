@@ -307,7 +307,7 @@ PositionOutput PositionScene::output(Time time) const {
   out.tracks.time = time;
   const std::vector<LookingStation> stations = lookingStations(time);
   for (const auto& [id, target] : targets_) {
-    const auto state = target.estimator->stateAt(std::max(time, target.estimator->time().value_or(time)));
+    const auto state = target.estimator->stateAt(time);
     if (!state || !target.estimator->isPosition(*state)) continue;
     PositionTrack track;
     track.id = id;

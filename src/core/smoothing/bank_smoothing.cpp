@@ -141,10 +141,9 @@ class WayBack {
     step.F = transition_.F;
     step.Q = transition_.Q;
     step.Q.topLeftCorner<3, 3>() *= step_->amplitude.squared(c) * noise;
-    if (passing_ > 0.0) {  // (S-17), per unit of time
-      const double h = step_->units(), density = passing_ * step_->unit * step_->unit * step_->unit;
-      step.Q.topLeftCorner<2, 2>() +=
-          (Eigen::Matrix2d() << h * h * h / 3.0, h * h / 2.0, h * h / 2.0, h).finished() * density;
+    if (passing_ > 0.0) {
+      const double per_unit = passing_ * step_->unit * step_->unit * step_->unit;
+      step.Q.topLeftCorner<2, 2>() += whiteAccelerationNoise(step_->units(), per_unit);
     }
     step.mean.head<3>().noalias() = step.F.topLeftCorner<3, 3>() * mean.head<3>();
     step.mean(3) = transition_.mean(3);

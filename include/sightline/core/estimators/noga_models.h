@@ -35,6 +35,10 @@ std::vector<ResponseModel> defaultResponseModels();
 /// -1 where none is straight.
 int agilestStraight(const std::vector<ResponseModel>& models);
 
+/// What white acceleration of spectral density `q` does in `h` units of time, ahead or back, to the
+/// covariance of (x, v) of one channel (S-17).
+Eigen::Matrix2d whiteAccelerationNoise(double h, double q);
+
 /// What one response model knows of a target: for each channel the state (x, v, a, kappa) in the chart
 /// [rad, rad/s, rad/s^2, 1/s^2], the covariance of the azimuth's state with the elevation's, and the variance
 /// of the sightings over the stated one [1].
